@@ -1,0 +1,95 @@
+// The scalar contract: what a type T must offer to run through the kernels, and what built-in types offer.
+//
+// A kernel calls mathematics unqualified (exp(x), sqrt(x)), so that float and double find <cmath> through the
+// using-declarations below and any other scalar (a SIMD batch, an automatic-differentiation number, a Dr.Jit
+// array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no `if`
+// on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
+// any(mask) may only end a bounded loop early; it never changes a result beyond rounding.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <numbers>
+#include <string_view>
+
+namespace microfacet {
+
+using std::abs;
+using std::exp;
+using std::expm1;
+using std::floor;
+using std::log;
+using std::log1p;
+using std::pow;
+using std::sqrt;
+
+inline constexpr double pi = std::numbers::pi;
+inline constexpr double sqrt_pi = 1.7724538509055160273;  // sqrt(pi)
+inline constexpr double inf = std::numeric_limits<double>::infinity();
+
+template <std::floating_point T>
+constexpr T select(bool mask, T a, T b) {
+  return mask ? a : b;
+}
+constexpr bool any(bool mask) { return mask; }
+
+// The floating-point type in which a T computes; specialise it for a scalar that is not itself one.
+template <class T>
+struct scalar_traits {
+  using real = T;
+};
+
+template <class T>
+T nan() {
+  return T(std::numeric_limits<typename scalar_traits<T>::real>::quiet_NaN());
+}
+
+// Smallest normal number: a floor for arguments of log and of divisions.
+template <class T>
+T smallest() {
+  return T(std::numeric_limits<typename scalar_traits<T>::real>::min());
+}
+
+// Both pass a nan in their first argument on.
+template <class T>
+T maximum(const T& a, const T& b) {
+  return select(a < b, b, a);
+}
+template <class T>
+T minimum(const T& a, const T& b) {
+  return select(a > b, b, a);
+}
+
+template <class T>
+T square(const T& x) {
+  return x * x;
+}
+
+// x where the condition holds, nan elsewhere: how a parameter outside its domain turns a lane into nan.
+template <class T, class Mask>
+T where(const Mask& condition, const T& x) {
+  return select(condition, x, nan<T>());
+}
+
+// (exp(x) - 1)/x and log(1 + x)/x, with their limit 1 at x = 0.
+template <class T>
+T expm1_over(const T& x) {
+  const auto zero = x == T(0);
+  return select(zero, T(1), expm1(x) / select(zero, T(1), x));
+}
+template <class T>
+T log1p_over(const T& x) {
+  const auto zero = x == T(0);
+  return select(zero, T(1), log1p(x) / select(zero, T(1), x));
+}
+
+// A shape parameter of a family: its name and the open interval in which the family is defined.
+struct parameter {
+  std::string_view name;
+  double lower;          // for every quantity
+  double upper;
+  double density_lower;  // for the density and its slope marginals alone, where that is wider
+};
+
+}  // namespace microfacet

@@ -1,0 +1,110 @@
+// Bessel K slopes: Beckmann with a Gamma(a, 1) distributed squared roughness; exponential tails.
+//
+// With y^2 = r2, nu = a - 1/2 (special/bessel.hpp has h_nu(y) = 2 y^nu K_nu(2y)):
+//
+//   P22(r2)         = 2 y^(a-1) K_{a-1}(2y)/(pi Gamma(a))       infinite at 0 for a <= 1
+//   survival(r2)    = 2 y^a K_a(2y)/Gamma(a)
+//   P2(t)           = 2 |t|^nu K_nu(2|t|)/(sqrt(pi) Gamma(a))   infinite at 0 for a <= 1/2
+//   slope_sf, slope_excess   special/variance_gamma.hpp
+//
+// a = 1 is K0. d'Eon's notebook "Bessel K NDF".
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/family/radial.hpp"
+#include "microfacet/special/bessel.hpp"
+#include "microfacet/special/variance_gamma.hpp"
+
+namespace microfacet {
+
+namespace detail {
+
+// The isotropic part of Bessel K for any a > 0, as a function of y = sqrt(r2).
+template <class T>
+class bessel_radial {
+ public:
+  explicit bessel_radial(const T& a) : a_(a) {}
+
+  T log_P22(const T& y) const {
+    const T inside = clamp(y);
+    const T value = bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).below / (T(pi) * inside * inside)), inside);
+    return select((y == T(0)) & (a_ <= T(1)), T(inf), value);
+  }
+  T survival(const T& y) const {
+    const T inside = clamp(y);
+    return exp(bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).at), inside));
+  }
+
+  // Newton's method: on log(1 - survival) against log y below the median, on log(survival) against y above it.
+  T inverse(const T& xi) const {
+    constexpr int most = 80;
+    const auto lower = xi < T(0.5), large = a_ > T(20);
+    const T target = log(select(lower, xi, T(T(1) - xi)));
+    T y = T(0.8) * sqrt(a_);
+    for (int i = 0; i < most; ++i) {
+      const bessel::neighbours<T> k = bessel::orders(a_, y);
+      const T unscale = exp(T(-2) * y);
+      const T small_cdf = bessel::complement_of_large_order(T(select(large, a_, T(30))), T(select(large, y, T(1))));
+      const T cdf = select(large & (y * y < a_), small_cdf, T(k.complement_above + unscale * k.below));
+      const T left = (target - log(cdf)) * cdf / (T(2) * a_ * unscale * k.below);
+      const T right = (log(a_ * k.at) - T(2) * y - target) * y * k.at / (T(2) * k.below);
+      const T left_y = y * exp(minimum(maximum(left, T(-30)), T(1)));
+      const T right_y = y + maximum(right, T(T(-0.5) * y));
+      const T next = maximum(T(select(lower, left_y, right_y)), floor_of_radii());
+      const auto moving = abs(next - y) > T(1e-9) * y;
+      y = next;
+      if (!any(moving)) break;
+    }
+    return select(xi == T(0), T(0), select(xi == T(1), T(inf), y));
+  }
+
+  // Squares of y must stay normal; beyond 1e9 every result is zero.
+  static T clamp(const T& y) { return minimum(maximum(y, floor_of_radii()), T(1e9)); }
+
+ private:
+  static T floor_of_radii() { return T(2) * sqrt(smallest<T>()); }
+
+  T a_;
+};
+
+}  // namespace detail
+
+template <class T>
+class bessel_k {
+  // Beyond this a the recurrence over orders, one step for each unit of a, would take too long.
+  static constexpr double most_a = 1000;
+
+ public:
+  using scalar = T;
+  static constexpr std::string_view name = "bessel_k";
+  static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, most_a, 0.0}}};
+  static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
+  static constexpr bool shape_invariant = true;
+
+  explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(most_a)), a)), radial_(a_) {}
+
+  T P22(const T& r2) const { return exp(radial_.log_P22(sqrt(r2))); }
+  T D(const T& z, const T& h2) const { return density_from_log(radial_.log_P22(T(sqrt(h2) / z)), z); }
+  T survival(const T& r2) const { return radial_.survival(sqrt(r2)); }
+  T radius2(const T& xi) const { return square(radial_.inverse(xi)); }
+  T P2(const T& t) const {
+    const T inside = radial_.clamp(abs(t));
+    const T value = variance_gamma::density(a_, inside, bessel::orders(T(a_ - T(0.5)), inside));
+    return select((t == T(0)) & (a_ <= T(0.5)), T(inf), value);
+  }
+  T slope_sf(const T& t) const {
+    return symmetric_sf(t, [this](const T& x) { return variance_gamma::tails(a_, radial_.clamp(x)).sf; });
+  }
+  T slope_excess(const T& x) const { return variance_gamma::tails(a_, radial_.clamp(x)).excess; }
+
+ private:
+  T a_;
+  detail::bessel_radial<T> radial_;
+};
+
+static_assert(radial_family<bessel_k<double>>);
+
+}  // namespace microfacet

@@ -1,0 +1,49 @@
+// GGX (Trowbridge-Reitz): the member that Student-T (gamma = 2) and GTR (gamma = 2) share.
+//
+//   P22(r2)         = 1/(pi (1 + r2)^2)
+//   survival(r2)    = 1/(1 + r2)
+//   P2(t)           = 1/(2 (1 + t^2)^(3/2))
+//   slope_sf(t)     = 1/(2 R (R + t)),  R = sqrt(1 + t^2)
+//   slope_excess(x) = 1/(2 (x + R))
+//
+// Trowbridge and Reitz 1975; Walter et al. 2007; Heitz 2014.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/family/radial.hpp"
+
+namespace microfacet {
+
+template <class T>
+class ggx {
+ public:
+  using scalar = T;
+  static constexpr std::string_view name = "ggx";
+  static constexpr std::array<parameter, 0> parameters{};
+  static constexpr std::array<std::string_view, 3> sources{"trowbridge1975average", "walter2007microfacet",
+                                                           "heitz2014masking"};
+  static constexpr bool shape_invariant = true;
+
+  T P22(const T& r2) const { return T(1) / (T(pi) * square(T(T(1) + r2))); }
+  T D(const T& z, const T& h2) const { return T(1) / (T(pi) * square(T(z * z + h2))); }
+  T survival(const T& r2) const { return T(1) / (T(1) + r2); }
+  T radius2(const T& xi) const { return xi / (T(1) - xi); }
+  T P2(const T& t) const {
+    const T a = T(1) + t * t;
+    return T(0.5) / (a * sqrt(a));
+  }
+  T slope_sf(const T& t) const {
+    return symmetric_sf(t, [](const T& x) {
+      const T root = sqrt(T(1) + x * x);
+      return T(0.5) / (root * (root + x));
+    });
+  }
+  T slope_excess(const T& x) const { return T(0.5) / (x + sqrt(T(1) + x * x)); }
+};
+
+static_assert(radial_family<ggx<double>>);
+
+}  // namespace microfacet

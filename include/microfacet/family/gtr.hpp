@@ -1,0 +1,131 @@
+// GTR (generalised Trowbridge-Reitz): exponent gamma, through GGX at gamma = 2.
+//
+// GTR is a stretch of one density only for gamma = 2: alpha is a parameter of the density, and standard space is
+// slope space itself. With beta = |ln alpha^2|, g = (gamma - 1) sign(1 - alpha), phi(x) = (e^x - 1)/x,
+// lambda(x) = log(1 + x)/x, Omega = 2 ln(alpha)/(alpha^2 - 1) (1 at alpha = 1), and
+// L(r2) = |log((1 + r2)/(alpha^2 + r2))|, which falls from beta at r2 = 0 to 0, V = beta - L:
+//
+//   P22(r2)      = C (1 + r2)^(gamma-2) (r2 + alpha^2)^(-gamma)
+//   survival(r2) = exp(-g V) L phi(-g L)/(beta phi(-g beta))
+//
+// The limits gamma = 1 and alpha = 1 are ordinary points of these forms. The slope marginals are integrals of
+// positive terms. Burley 2012; d'Eon's notebook "GTR NDF".
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/quadrature.hpp"
+#include "microfacet/family/radial.hpp"
+
+namespace microfacet {
+
+template <class T>
+class gtr {
+ public:
+  using scalar = T;
+  static constexpr std::string_view name = "gtr";
+  static constexpr std::array<parameter, 1> parameters{{{"gamma", 0.0, inf, 0.0}}};
+  static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
+  static constexpr bool shape_invariant = false;
+
+  gtr(const T& alpha, const T& gamma)
+      : a2_(where((alpha > T(0)) & (alpha < T(inf)), T(alpha * alpha))),
+        gamma_(where((gamma > T(0)) & (gamma < T(inf)), gamma)) {
+    const auto narrow = alpha <= T(1);
+    const T difference = (T(1) - alpha) * (T(1) + alpha);  // 1 - alpha^2
+    const auto one = difference == T(0);
+    span_ = abs(difference);
+    omega_ = select(one, T(1), T(T(-2) * log(alpha) / select(one, T(1), difference)));
+    const T beta = span_ * omega_;
+    smaller_ = select(narrow, a2_, T(1));  // min(alpha^2, 1) and max(alpha^2, 1)
+    larger_ = select(narrow, T(1), a2_);
+    g_ = select(narrow, T(gamma_ - T(1)), T(T(1) - gamma_));
+    up_ = expm1_over(T(g_ * beta));
+    down_ = expm1_over(T(-g_ * beta));
+    beta_ = beta;
+    norm_ = T(1) / (T(pi) * smaller_ * omega_ * select(narrow, down_, up_));
+  }
+
+  T P22(const T& r2) const { return D(T(1), r2); }
+
+  // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows alone.
+  T D(const T& z, const T& h2) const {
+    const T z2 = z * z, length2 = z2 + h2;
+    const T q = (a2_ * z2 + h2) / smaller_;
+    return norm_ * pow(T(length2 / q), gamma_) / square(length2);
+  }
+
+  T survival(const T& r2) const {
+    // exp(L) - 1 = |1 - alpha^2|/(r2 + min), exp(V) - 1 = r2 |1 - alpha^2|/(min (r2 + max)).
+    const T l_argument = span_ / (r2 + smaller_), l_over_span = log1p_over(l_argument) / (r2 + smaller_);
+    const T v = log1p(r2 / (r2 + larger_) * (span_ / smaller_));
+    // phi(-x) = exp(-x) phi(x): the two forms are equal, and each overflows where the other does not.
+    const T gl = g_ * span_ * l_over_span;
+    const T ratio = select(g_ > T(0), T(exp(-g_ * v) * expm1_over(T(-gl)) / down_), T(expm1_over(gl) / up_));
+    return l_over_span / omega_ * ratio;
+  }
+
+  // V and L at survival 1 - xi, each over beta; r2 = max(alpha^2, 1) (1 - exp(-V))/(exp(L) - 1).
+  T radius2(const T& xi) const {
+    const T rest = T(1) - xi;
+    const T v = log_mean_exp(xi, rest, T(-g_ * beta_), down_), l = log_mean_exp(rest, xi, T(g_ * beta_), up_);
+    return larger_ * (v * expm1_over(T(-beta_ * v))) / (l * expm1_over(T(beta_ * l)));
+  }
+
+  // P22 over the other slope q = sqrt(p^2 + min(alpha^2, 1)) sinh t.
+  T P2(const T& p) const {
+    const T p2 = p * p, scale = sqrt(p2 + smaller_);
+    const T bend = log_ratio(T(sqrt(p2 + larger_)), scale) + T(1.5);
+    const auto integrand = [&](const T& t) {
+      const T e = exp(t), sinh = T(0.5) * (e - T(1) / e), cosh = T(0.5) * (e + T(1) / e);
+      return scale * cosh * P22(T(p2 + square(T(scale * sinh))));
+    };
+    return T(2) * trapezoid_even(integrand, step(), bend);
+  }
+
+  // (1/pi) int_0^inf survival(t^2 cosh^2 s)/cosh s ds.
+  T slope_sf(const T& t) const {
+    return symmetric_sf(t, [this](const T& x) { return radial_integral(x, [](const T&, const T& cosh) { return T(1) / cosh; }); });
+  }
+
+  // (x/pi) int_0^inf survival(x^2 cosh^2 s) sinh^2 s/cosh s ds.
+  T slope_excess(const T& x_argument) const {
+    const T x = maximum(x_argument, floor_of_slopes());
+    return x * radial_integral(x, [](const T& sinh, const T& cosh) { return sinh * sinh / cosh; });
+  }
+
+ private:
+  T step() const { return minimum(T(0.2), T(T(0.36) / sqrt(gamma_))); }
+  // log(rest + weight exp(x))/x for weight + rest = 1, given phi = (exp(x) - 1)/x; the limit at x = 0 is weight.
+  static T log_mean_exp(const T& weight, const T& rest, const T& x, const T& phi) {
+    const T change = weight * x * phi;
+    const auto lost = change < T(-0.5), huge = x > T(80);
+    const T shrunk = log(rest + weight * exp(x)) / select(lost, x, T(1));
+    const T grown = T(1) + log(weight + rest * exp(-x)) / select(huge, x, T(1));
+    const T near = weight * phi * log1p_over(select(lost | huge, T(0), change));
+    return select(huge, grown, select(lost, shrunk, near));
+  }
+  // Slopes below this change no marginal beyond rounding.
+  T floor_of_slopes() const { return T(1e-18) * sqrt(smaller_); }
+  // log of 2 a/b, an upper bound of asinh(a/b) beyond which the integrands have no singularity.
+  static T log_ratio(const T& a, const T& b) { return log(T(2) + T(2) * a / b); }
+
+  template <class Weight>
+  T radial_integral(const T& x_argument, const Weight& weight) const {
+    const T x = maximum(x_argument, floor_of_slopes());
+    const auto integrand = [&](const T& t) {
+      const T e = exp(t), sinh = T(0.5) * (e - T(1) / e), cosh = T(0.5) * (e + T(1) / e);
+      return weight(sinh, cosh) * survival(square(T(x * cosh)));
+    };
+    return trapezoid_even(integrand, step(), T(log_ratio(T(sqrt(larger_)), x) + T(2))) / T(pi);
+  }
+
+  T a2_, gamma_;
+  T span_, omega_, beta_, g_, up_, down_, smaller_, larger_, norm_;
+};
+
+static_assert(radial_family<gtr<double>>);
+
+}  // namespace microfacet

@@ -1,0 +1,45 @@
+// What a family is: an isotropic density of slopes in standard space (roughness 1).
+//
+// A family states its joint density P22, the probability `survival` that the squared slope exceeds r2, and the
+// inverse of that. Its slope marginals follow from these by the integrals below, unless it has a closed form.
+// Everything else (sigma, Lambda, G1, G2, sampling, shape) is written once for all families, in smith/.
+#pragma once
+
+#include <concepts>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/quadrature.hpp"
+
+namespace microfacet {
+
+// clang-format off
+template <class F>
+concept radial_family = requires(const F f, typename F::scalar t) {
+  F::name;                                                     // one string everywhere
+  F::parameters;                                               // std::array<parameter, n>: the shape parameters
+  F::sources;                                                  // keys of references.bib
+  { F::shape_invariant } -> std::convertible_to<bool>;         // whether roughness is a stretch of the slopes
+  { f.P22(t) } -> std::convertible_to<typename F::scalar>;     // joint density of slopes at squared slope r2
+  { f.D(t, t) } -> std::convertible_to<typename F::scalar>;    // D(z, h2) = P22(h2/z^2)/z^4, never over- or underflowing
+  { f.survival(t) } -> std::convertible_to<typename F::scalar>;      // Pr(slope^2 > r2)
+  { f.radius2(t) } -> std::convertible_to<typename F::scalar>;       // survival(radius2(xi)) = 1 - xi
+  { f.P2(t) } -> std::convertible_to<typename F::scalar>;            // density of the slope along an azimuth
+  { f.slope_sf(t) } -> std::convertible_to<typename F::scalar>;      // Pr(slope along an azimuth > t)
+  { f.slope_excess(t) } -> std::convertible_to<typename F::scalar>;  // int_t^inf slope_sf = E[(slope - t)_+], t >= 0
+};
+// clang-format on
+
+// D from the logarithm of P22: for families whose P22 underflows where P22/z^4 does not.
+template <class T>
+T density_from_log(const T& log_P22, const T& z) {
+  return exp(log_P22 - T(4) * log(z));
+}
+
+// A probability above t >= 0 made one for any t by symmetry.
+template <class T, class Upper>
+T symmetric_sf(const T& t, const Upper& upper) {
+  const T q = upper(abs(t));
+  return select(t < T(0), T(T(1) - q), q);
+}
+
+}  // namespace microfacet

@@ -1,0 +1,40 @@
+// Normals drawn from D cos(theta), from a pair of uniforms: the slope's length by the inverse of its survival
+// function (xi = 0 gives the normal itself), its azimuth uniform in standard space.
+#pragma once
+
+#include <cmath>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/vec.hpp"
+#include "microfacet/smith/ndf.hpp"
+
+namespace microfacet {
+
+using std::cos;
+using std::sin;
+
+// tan(theta) of a normal of an isotropic distribution.
+template <class Family, class T>
+T sample_slope(const Family& family, const isotropic_shape<T>& shape, const T& xi) {
+  const auto valid = (xi >= T(0)) & (xi < T(1));
+  return shape.along_x() * sqrt(family.radius2(where(valid, xi)));
+}
+
+// cos(theta) of the same normal.
+template <class T>
+T cosine_of_slope(const T& slope) {
+  return T(1) / sqrt(T(1) + slope * slope);
+}
+
+template <class Family, class T, class Shape>
+vec3<T> sample_normal(const ndf<Family, T, Shape>& distribution, const T& xi_radius, const T& xi_azimuth) {
+  const auto valid = (xi_radius >= T(0)) & (xi_radius < T(1)) & (xi_azimuth >= T(0)) & (xi_azimuth <= T(1));
+  const T radius = sqrt(distribution.family().radius2(where(valid, xi_radius)));
+  const T azimuth = T(2 * pi) * xi_azimuth;
+  T p = radius * cos(azimuth), q = radius * sin(azimuth);
+  distribution.shape().to_surface(p, q);
+  const T z = cosine_of_slope(T(sqrt(p * p + q * q)));
+  return {-p * z, -q * z, z};
+}
+
+}  // namespace microfacet

@@ -1,0 +1,132 @@
+// Modified Bessel functions of the second kind of real order, in the form in which slopes need them.
+//
+//   h_nu(y) = 2 y^nu K_nu(2y) = int_0^inf m^(nu-1) exp(-m - y^2/m) dm
+//
+// is finite at y = 0 for nu > 0 (where it is Gamma(nu)) and obeys h_{nu+1} = nu h_nu + y^2 h_{nu-1}, all of
+// whose terms are positive: three neighbouring orders, divided by Gamma(nu + 1), climb from |mu| <= 1/2 without
+// overflow or loss. Everything below is scaled by exp(2y).
+#pragma once
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/special/gamma.hpp"
+
+namespace microfacet::bessel {
+
+template <class T>
+struct neighbours {
+  T below;             // exp(2y) y^2 h_{nu-1}/Gamma(nu + 1)
+  T at;                // exp(2y) h_nu/Gamma(nu + 1)
+  T above;             // exp(2y) h_{nu+1}/Gamma(nu + 2)
+  T complement_above;  // 1 - h_{nu+1}/Gamma(nu + 1), not scaled, without cancellation for small y
+};
+
+template <class T>
+struct start {
+  neighbours<T> orders;
+  T complement_second;  // 1 - h_{mu+2}/Gamma(mu + 2)
+};
+
+// Orders mu - 1, mu, mu + 1 for |mu| <= 1/2 and y <= 1: N. M. Temme, J. Comput. Phys. 19 (1975), multiplied by
+// y^mu so that nothing overflows for small y.
+template <class T>
+start<T> temme(const T& mu, const T& y) {
+  const reciprocal_gamma<T> rg(mu);
+  const T plus = rg.even + mu * rg.odd, minus = rg.even - mu * rg.odd;  // 1/Gamma(1 +- mu)
+  const T log_y = log(y), y2 = y * y;
+  const T power = exp(T(2) * mu * log_y);  // y^(2 mu)
+  T f = (T(-0.5) * rg.odd * (T(1) + power) - rg.even * log_y * expm1_over(T(T(2) * mu * log_y))) / (plus * minus);
+  T p = T(0.5) / plus, q = T(0.5) * power / minus;
+  const T p0 = p;
+  // The terms of 1 - h_{mu+2}/Gamma(mu + 2), of which the first is y^2 p0/(1 + mu) since mu f = p - q throughout.
+  T second = y2 * p0 / (T(1) + mu);
+  T c(1), sum = f, above(0), below = q;
+  for (int i = 1; i <= 20; ++i) {
+    const T f_before = f;
+    f = (T(i) * f + p + q) / (T(i) * T(i) - mu * mu);
+    p = p / (T(i) - mu);
+    q = q / (T(i) + mu);
+    c = c * y2 / T(i);
+    if (i > 1) second = second + c * (T(i) * (f - f_before / (T(1) + mu)) - p);
+    const T next = sum + c * f;
+    above = above + c * (p - T(i) * f);
+    below = below + c * (q - T(i) * f);
+    if (!any(next != sum) && i > 3) break;
+    sum = next;
+  }
+  const T scale = T(2) * exp(T(2) * y) * plus;
+  return {{scale * below, scale * sum, scale * (p0 + above) / (T(1) + mu), -above / p0}, second / p0};
+}
+
+// The same for y > 1, by the trapezoidal rule on K_mu(z) = int_0^inf exp(-z cosh t) cosh(mu t) dt in the variable
+// s = sqrt(2z) sinh(t/2), in which the weight is exp(-s^2); the nearest singularity is at s = i sqrt(2z).
+template <class T>
+start<T> trapezoid(const T& mu, const T& y) {
+  constexpr int nodes = 24;
+  const T step = T(0.27);
+  const T z = T(2) * y, root = sqrt(T(2) * z);
+  T below(0), at(0), above(0);
+  for (int j = 0; j < nodes; ++j) {
+    const T s = step * T(j), w = s / root, cosh_half = sqrt(T(1) + w * w);
+    const T half_t = log1p(T(w + w * w / (T(1) + cosh_half)));  // t/2 = asinh(w)
+    const T weight = exp(-s * s) / (root * cosh_half) * T(j == 0 ? 0.5 : 1.0);
+    const T g = exp(T(2) * mu * half_t), e = square(T(w + cosh_half));  // exp(mu t), exp(t)
+    at = at + weight * (g + T(1) / g);
+    above = above + weight * (g * e + T(1) / (g * e));
+    below = below + weight * (e / g + g / e);
+  }
+  const reciprocal_gamma<T> rg(mu);
+  const T plus = rg.even + mu * rg.odd;
+  const T scale = T(2) * step * exp(mu * log(y)) * plus;
+  const T above_gamma = scale * y * above;  // over Gamma(mu + 1)
+  const T first = T(1) - exp(-z) * above_gamma;
+  return {{scale * y * below, scale * at, above_gamma / (T(1) + mu), first},
+          first - exp(-z) * y * y * scale * at / (T(1) + mu)};
+}
+
+// h_nu and its neighbours for nu >= -1/2 and 0 < y; below `smallest` y counts as smallest.
+template <class T>
+neighbours<T> orders(const T& nu, const T& y_argument) {
+  constexpr int most = 1000;
+  const T y = maximum(y_argument, smallest<T>());
+  const T steps = floor(T(nu + T(0.5))), mu = nu - steps;
+  const auto small = y <= T(1);
+  const start<T> left = temme(mu, T(select(small, y, T(1)))), right = trapezoid(mu, T(select(small, T(1), y)));
+  T below = select(small, left.orders.below, right.orders.below), at = select(small, left.orders.at, right.orders.at);
+  T above = select(small, left.orders.above, right.orders.above);
+  T complement = select(small, left.orders.complement_above, right.orders.complement_above);
+  const T complement_second = select(small, left.complement_second, right.complement_second);
+  const T y2 = y * y, unscale = exp(T(-2) * y);
+  for (int j = 0; j < most; ++j) {
+    const auto climbing = T(j) < steps;
+    if (!any(climbing)) break;
+    const T order = mu + T(j);
+    const T lower = y2 * at / (order + T(1));
+    const T upper = ((order + T(1)) * above + lower) / (order + T(2));
+    complement = select(climbing, j == 0 ? complement_second : T(complement - unscale * lower), complement);
+    below = select(climbing, lower, below);
+    at = select(climbing, above, at);
+    above = select(climbing, upper, above);
+  }
+  return {below, at, above, complement};
+}
+
+// 1 - h_a/Gamma(a) for a > 20 and y^2 < a, where the terms of the other solution are far below rounding: sum over
+// k of -(-y^2)^k/(k! (a - 1)...(a - k)) (DLMF 10.25.2, 10.27.4). The recurrence would lose a factor of a.
+template <class T>
+T complement_of_large_order(const T& a, const T& y) {
+  T term(-1), sum(0);
+  for (int k = 1; k <= 18; ++k) {
+    term = term * (-y * y) / (T(k) * (a - T(k)));
+    sum = sum + term;
+  }
+  return sum;
+}
+
+// log(exp(-2y) value): the scale undone in the exponent, where it underflows only if the result does. A value that
+// overflowed belongs to a result below exp(-700) for every order up to 1000.
+template <class T>
+T log_unscaled(const T& value, const T& y) {
+  return select(value < T(inf), T(log(value) - T(2) * y), T(-inf));
+}
+
+}  // namespace microfacet::bessel

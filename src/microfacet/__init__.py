@@ -1,0 +1,84 @@
+"""Microfacet normal distribution functions: Beckmann, GGX, GTR, Student-T, K0 and Bessel K, exact.
+
+Elementwise functions are ufuncs in one namespace per family, ``microfacet.student_t.sigma(u, alpha, gamma)``.
+Frozen distributions work on directions, ``microfacet.StudentT(alpha=0.3, gamma=2.5).D(m)``. `families()` says
+what there is.
+
+Examples
+--------
+>>> import microfacet as mf
+>>> print(f"{mf.k0.Lambda(0.5, 0.3):.6g}")
+0.00276708
+>>> ndf = mf.StudentT(alpha_x=0.1, alpha_y=0.4, rotation=0.2, gamma=2.5)
+>>> print(f"{ndf.sigma([0.0, 0.6, 0.8]):.6g}")
+0.803695
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+from microfacet._family import Family, Parameter, beckmann, bessel_k, families, ggx, gtr, k0, student_t
+from microfacet._family.beckmann import Beckmann
+from microfacet._family.bessel_k import BesselK
+from microfacet._family.ggx import GGX
+from microfacet._family.gtr import GTR
+from microfacet._family.k0 import K0
+from microfacet._family.student_t import StudentT
+
+if TYPE_CHECKING:
+    from microfacet._fit import FitResult, fit
+    from microfacet._surface import Surface, SurfaceError, read_surface, sample_terrain
+
+__all__ = [
+    "GGX",
+    "GTR",
+    "K0",
+    "Beckmann",
+    "BesselK",
+    "Family",
+    "FitResult",
+    "Parameter",
+    "StudentT",
+    "Surface",
+    "SurfaceError",
+    "__version__",
+    "beckmann",
+    "bessel_k",
+    "families",
+    "fit",
+    "ggx",
+    "gtr",
+    "k0",
+    "read_surface",
+    "sample_terrain",
+    "student_t",
+]
+
+try:
+    __version__ = version("microfacet")
+except PackageNotFoundError:  # run from a source tree that is not installed
+    __version__ = "0+unknown"
+
+# Loaded at first use: they need SciPy, which an `import microfacet` for the ufuncs should not wait for.
+_LAZY = {
+    "FitResult": "microfacet._fit",
+    "fit": "microfacet._fit",
+    "Surface": "microfacet._surface",
+    "SurfaceError": "microfacet._surface",
+    "read_surface": "microfacet._surface",
+    "sample_terrain": "microfacet._surface",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        value = globals()[name] = getattr(import_module(_LAZY[name]), name)
+        return value
+    raise AttributeError(f"module 'microfacet' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

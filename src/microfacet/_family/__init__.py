@@ -1,0 +1,28 @@
+"""The families: one module each, in the order in which documentation lists them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from . import beckmann, bessel_k, ggx, gtr, k0, student_t
+from ._registry import Family, Parameter, describe
+
+__all__ = ["MODULES", "Family", "Parameter", "families"]
+
+MODULES = (beckmann, ggx, gtr, student_t, k0, bessel_k)
+"""THE list of families in Python; tests, checks and reports iterate `families()`."""
+
+
+@cache
+def families() -> tuple[Family, ...]:
+    """Every family of the library, with its parameters, their domains and its sources.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> [family.name for family in mf.families()]
+    ['beckmann', 'ggx', 'gtr', 'student_t', 'k0', 'bessel_k']
+    >>> mf.families()[3].parameters[1]
+    Parameter(name='gamma', lower=1.5, upper=inf)
+    """
+    return tuple(describe(module) for module in MODULES)
