@@ -26,6 +26,8 @@ class Kernels(Protocol):
 def _number(owner: str, name: str, value: object, lower: float, upper: float) -> float:
     """`value` as a float inside the open interval, or one sentence that says what is wrong with it."""
     try:
+        if isinstance(value, str | bytes):
+            raise TypeError
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise ValueError(

@@ -51,6 +51,12 @@ T smallest() {
   return T(std::numeric_limits<typename scalar_traits<T>::real>::min());
 }
 
+// A bound on arguments that are squared or multiplied by themselves a few times: its square is finite.
+template <class T>
+T largest_slope() {
+  return T(1e-5) / sqrt(smallest<T>());
+}
+
 // Both pass a nan in their first argument on.
 template <class T>
 T maximum(const T& a, const T& b) {

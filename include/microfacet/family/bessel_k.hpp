@@ -29,12 +29,14 @@ class bessel_radial {
   explicit bessel_radial(const T& a) : a_(a) {}
 
   T log_P22(const T& y) const {
-    const T inside = clamp(y);
+    const T inside = clamp(y, square_floor());
     const T value = bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).below / (T(pi) * inside * inside)), inside);
-    return select((y == T(0)) & (a_ <= T(1)), T(inf), value);
+    const auto finite = a_ > T(1);
+    const T at_normal = select(finite, T(-log(T(pi) * select(finite, T(a_ - T(1)), T(1)))), T(inf));
+    return select(y == T(0), T(at_normal + value * T(0)), value);
   }
   T survival(const T& y) const {
-    const T inside = clamp(y);
+    const T inside = clamp(y, bessel::least_argument<T>());
     return exp(bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).at), inside));
   }
 
@@ -44,6 +46,7 @@ class bessel_radial {
     const auto lower = xi < T(0.5), large = a_ > T(20);
     const T target = log(select(lower, xi, T(T(1) - xi)));
     T y = T(0.8) * sqrt(a_);
+    auto moving = y == y;  // a lane that has converged stays, so that a batch gives what a scalar gives
     for (int i = 0; i < most; ++i) {
       const bessel::neighbours<T> k = bessel::orders(a_, y);
       const T unscale = exp(T(-2) * y);
@@ -53,19 +56,21 @@ class bessel_radial {
       const T right = (log(a_ * k.at) - T(2) * y - target) * y * k.at / (T(2) * k.below);
       const T left_y = y * exp(minimum(maximum(left, T(-30)), T(1)));
       const T right_y = y + maximum(right, T(T(-0.5) * y));
-      const T next = maximum(T(select(lower, left_y, right_y)), floor_of_radii());
-      const auto moving = abs(next - y) > T(1e-9) * y;
-      y = next;
+      const T next = maximum(T(select(lower, left_y, right_y)), bessel::least_argument<T>());
+      const auto far = abs(next - y) > T(1e-9) * y;
+      y = select(moving, next, y);
+      moving = moving & far;
       if (!any(moving)) break;
     }
     return select(xi == T(0), T(0), select(xi == T(1), T(inf), y));
   }
 
-  // Squares of y must stay normal; beyond 1e9 every result is zero.
-  static T clamp(const T& y) { return minimum(maximum(y, floor_of_radii()), T(1e9)); }
+  // Beyond 1e9 every result is zero.
+  static T clamp(const T& y, const T& floor) { return minimum(maximum(y, floor), T(1e9)); }
 
  private:
-  static T floor_of_radii() { return T(2) * sqrt(smallest<T>()); }
+  // Below this the square of y times P22 would not be a normal number.
+  static T square_floor() { return T(1e6) * sqrt(smallest<T>()); }
 
   T a_;
 };
@@ -89,16 +94,19 @@ class bessel_k {
   T P22(const T& r2) const { return exp(radial_.log_P22(sqrt(r2))); }
   T D(const T& z, const T& h2) const { return density_from_log(radial_.log_P22(T(sqrt(h2) / z)), z); }
   T survival(const T& r2) const { return radial_.survival(sqrt(r2)); }
-  T radius2(const T& xi) const { return square(radial_.inverse(xi)); }
+  T radius(const T& xi) const { return radial_.inverse(xi); }
+  T radius2(const T& xi) const { return square(radius(xi)); }
   T P2(const T& t) const {
-    const T inside = radial_.clamp(abs(t));
+    const T inside = radial_.clamp(abs(t), bessel::least_argument<T>());
     const T value = variance_gamma::density(a_, inside, bessel::orders(T(a_ - T(0.5)), inside));
-    return select((t == T(0)) & (a_ <= T(0.5)), T(inf), value);
+    const auto finite = a_ > T(0.5);
+    const T at_zero = gamma_half_step(a_) * sqrt(a_) / (T(sqrt_pi) * select(finite, T(a_ - T(0.5)), T(1)));
+    return select(t == T(0), select(finite, at_zero, T(at_zero * T(inf))), value);
   }
   T slope_sf(const T& t) const {
-    return symmetric_sf(t, [this](const T& x) { return variance_gamma::tails(a_, radial_.clamp(x)).sf; });
+    return symmetric_sf(t, [this](const T& x) { return variance_gamma::tails(a_, radial_.clamp(x, bessel::least_argument<T>())).sf; });
   }
-  T slope_excess(const T& x) const { return variance_gamma::tails(a_, radial_.clamp(x)).excess; }
+  T slope_excess(const T& x) const { return variance_gamma::tails(a_, radial_.clamp(x, bessel::least_argument<T>())).excess; }
 
  private:
   T a_;

@@ -30,17 +30,17 @@ class gtr {
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
 
-  gtr(const T& alpha, const T& gamma)
-      : a2_(where((alpha > T(0)) & (alpha < T(inf)), T(alpha * alpha))),
-        gamma_(where((gamma > T(0)) & (gamma < T(inf)), gamma)) {
+  gtr(const T& alpha_argument, const T& gamma) : gamma_(where((gamma > T(0)) & (gamma < T(inf)), gamma)) {
+    const T alpha = where((alpha_argument > T(0)) & (alpha_argument < T(inf)), alpha_argument);
+    a2_ = alpha * alpha;
     const auto narrow = alpha <= T(1);
     const T difference = (T(1) - alpha) * (T(1) + alpha);  // 1 - alpha^2
     const auto one = difference == T(0);
     span_ = abs(difference);
     omega_ = select(one, T(1), T(T(-2) * log(alpha) / select(one, T(1), difference)));
     const T beta = span_ * omega_;
-    smaller_ = select(narrow, a2_, T(1));  // min(alpha^2, 1) and max(alpha^2, 1)
-    larger_ = select(narrow, T(1), a2_);
+    smaller_ = minimum(a2_, T(1));
+    larger_ = maximum(a2_, T(1));
     g_ = select(narrow, T(gamma_ - T(1)), T(T(1) - gamma_));
     up_ = expm1_over(T(g_ * beta));
     down_ = expm1_over(T(-g_ * beta));
@@ -48,7 +48,7 @@ class gtr {
     norm_ = T(1) / (T(pi) * smaller_ * omega_ * select(narrow, down_, up_));
   }
 
-  T P22(const T& r2) const { return D(T(1), r2); }
+  T P22(const T& r2) const { return D(T(1), minimum(r2, square(largest_slope<T>()))); }
 
   // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows alone.
   T D(const T& z, const T& h2) const {
@@ -60,11 +60,11 @@ class gtr {
   T survival(const T& r2) const {
     // exp(L) - 1 = |1 - alpha^2|/(r2 + min), exp(V) - 1 = r2 |1 - alpha^2|/(min (r2 + max)).
     const T l_argument = span_ / (r2 + smaller_), l_over_span = log1p_over(l_argument) / (r2 + smaller_);
-    const T v = log1p(r2 / (r2 + larger_) * (span_ / smaller_));
+    const T v = log1p(span_ / smaller_ / (T(1) + larger_ / r2));
     // phi(-x) = exp(-x) phi(x): the two forms are equal, and each overflows where the other does not.
     const T gl = g_ * span_ * l_over_span;
     const T ratio = select(g_ > T(0), T(exp(-g_ * v) * expm1_over(T(-gl)) / down_), T(expm1_over(gl) / up_));
-    return l_over_span / omega_ * ratio;
+    return minimum(T(l_over_span / omega_ * ratio), T(1));
   }
 
   // V and L at survival 1 - xi, each over beta; r2 = max(alpha^2, 1) (1 - exp(-V))/(exp(L) - 1).
@@ -75,8 +75,8 @@ class gtr {
   }
 
   // P22 over the other slope q = sqrt(p^2 + min(alpha^2, 1)) sinh t.
-  T P2(const T& p) const {
-    const T p2 = p * p, scale = sqrt(p2 + smaller_);
+  T P2(const T& slope) const {
+    const T p = minimum(T(abs(slope)), largest_slope<T>()), p2 = p * p, scale = sqrt(p2 + smaller_);
     const T bend = log_ratio(T(sqrt(p2 + larger_)), scale) + T(1.5);
     const auto integrand = [&](const T& t) {
       const T e = exp(t), sinh = T(0.5) * (e - T(1) / e), cosh = T(0.5) * (e + T(1) / e);

@@ -30,7 +30,8 @@ class k0 {
   T P22(const T& r2) const { return isotropic().P22(r2); }
   T D(const T& z, const T& h2) const { return isotropic().D(z, h2); }
   T survival(const T& r2) const { return isotropic().survival(r2); }
-  T radius2(const T& xi) const { return isotropic().radius2(xi); }
+  T radius(const T& xi) const { return isotropic().radius(xi); }
+  T radius2(const T& xi) const { return square(radius(xi)); }
   T P2(const T& t) const { return exp(T(-2) * abs(t)); }
   T slope_sf(const T& t) const {
     return symmetric_sf(t, [](const T& x) { return T(0.5) * exp(T(-2) * x); });

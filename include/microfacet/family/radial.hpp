@@ -35,11 +35,12 @@ T density_from_log(const T& log_P22, const T& z) {
   return exp(log_P22 - T(4) * log(z));
 }
 
-// A probability above t >= 0 made one for any t by symmetry.
+// A probability above t >= 0 made one for any t by symmetry: 1/2 at 0 and nothing above the largest slope.
 template <class T, class Upper>
 T symmetric_sf(const T& t, const Upper& upper) {
-  const T q = upper(abs(t));
-  return select(t < T(0), T(T(1) - q), q);
+  const T size = abs(t), most = largest_slope<T>(), q = upper(minimum(size, most));
+  const T above = select(size == T(0), T(0.5) + T(0) * q, select(size < most, q, T(0) * q));
+  return select(t < T(0), T(T(1) - above), above);
 }
 
 }  // namespace microfacet

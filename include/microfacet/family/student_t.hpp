@@ -40,7 +40,12 @@ class student_t {
     return density_from_log(T(-(k_ + T(1)) * log1p(h2 / (z * z * k_))), z) / T(pi);
   }
   T survival(const T& r2) const { return power(r2, k_); }
-  T radius2(const T& xi) const { return k_ * expm1(-log1p(-xi) / k_); }
+  T radius2(const T& xi) const { return square(radius(xi)); }
+  // For gamma near 1 slopes reach beyond the square root of the largest number.
+  T radius(const T& xi) const {
+    const T growth = log1p(-xi) / k_;
+    return sqrt(-k_ * expm1(growth)) * exp(T(-0.5) * growth);
+  }
   T P2(const T& t) const { return norm_ * power(T(t * t), T(k_ + T(0.5))); }
   T slope_sf(const T& t) const {
     return symmetric_sf(t, [this](const T& x) { return upper_tail(x); });

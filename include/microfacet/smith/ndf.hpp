@@ -25,10 +25,12 @@ class ndf {
 
   // Normals, per steradian: P22 at the slopes (-x/z, -y/z), over (z/|m|)^4.
   T D(const vec3<T>& m) const {
-    const T z = select(m.z > T(0), m.z, T(1));
-    // The stretched slope times z, squared: slope2 is homogeneous of degree two.
-    const T value = family_.D(z, shape_.slope2(m.x, m.y)) / shape_.area() * square(dot(m, m));
-    return select(m.z > T(0), value, T(value * T(0)));
+    const auto above = m.z > T(0);
+    // The stretched slope times z, squared: slope2 is homogeneous of degree two. Normals below the horizon are
+    // evaluated where no density is infinite, so that only a nan survives the multiplication by zero.
+    const T z = select(above, m.z, T(1)), h2 = select(above, shape_.slope2(m.x, m.y), T(1));
+    const T value = family_.D(z, h2) / shape_.area() * square(dot(m, m));
+    return select(above, value, T(value * T(0)));
   }
   // Density per steradian of normals drawn from D cos(theta).
   T pdf(const vec3<T>& m) const { return D(m) * m.z / sqrt(dot(m, m)); }

@@ -13,11 +13,21 @@ namespace microfacet {
 using std::cos;
 using std::sin;
 
+// The standard slope at survival 1 - xi. A family may state it without its square, which underflows first.
+template <class Family, class T>
+T sample_radius(const Family& family, const T& xi) {
+  if constexpr (requires { family.radius(xi); }) {
+    return family.radius(xi);
+  } else {
+    return sqrt(family.radius2(xi));
+  }
+}
+
 // tan(theta) of a normal of an isotropic distribution.
 template <class Family, class T>
 T sample_slope(const Family& family, const isotropic_shape<T>& shape, const T& xi) {
   const auto valid = (xi >= T(0)) & (xi < T(1));
-  return shape.along_x() * sqrt(family.radius2(where(valid, xi)));
+  return shape.along_x() * sample_radius(family, where(valid, xi));
 }
 
 // cos(theta) of the same normal.
@@ -29,7 +39,7 @@ T cosine_of_slope(const T& slope) {
 template <class Family, class T, class Shape>
 vec3<T> sample_normal(const ndf<Family, T, Shape>& distribution, const T& xi_radius, const T& xi_azimuth) {
   const auto valid = (xi_radius >= T(0)) & (xi_radius < T(1)) & (xi_azimuth >= T(0)) & (xi_azimuth <= T(1));
-  const T radius = sqrt(distribution.family().radius2(where(valid, xi_radius)));
+  const T radius = sample_radius(distribution.family(), where(valid, xi_radius));
   const T azimuth = T(2 * pi) * xi_azimuth;
   T p = radius * cos(azimuth), q = radius * sin(azimuth);
   distribution.shape().to_surface(p, q);

@@ -83,11 +83,17 @@ start<T> trapezoid(const T& mu, const T& y) {
           first - exp(-z) * y * y * scale * at / (T(1) + mu)};
 }
 
-// h_nu and its neighbours for nu >= -1/2 and 0 < y; below `smallest` y counts as smallest.
+// The smallest y that is told from 0: 1/y, the size of h_{-1/2}, must stay finite.
+template <class T>
+T least_argument() {
+  return T(64) * smallest<T>();
+}
+
+// h_nu and its neighbours for nu >= -1/2 and y >= 0, which counts as at least least_argument.
 template <class T>
 neighbours<T> orders(const T& nu, const T& y_argument) {
   constexpr int most = 1000;
-  const T y = maximum(y_argument, smallest<T>());
+  const T y = maximum(y_argument, least_argument<T>());
   const T steps = floor(T(nu + T(0.5))), mu = nu - steps;
   const auto small = y <= T(1);
   const start<T> left = temme(mu, T(select(small, y, T(1)))), right = trapezoid(mu, T(select(small, T(1), y)));
@@ -95,12 +101,12 @@ neighbours<T> orders(const T& nu, const T& y_argument) {
   T above = select(small, left.orders.above, right.orders.above);
   T complement = select(small, left.orders.complement_above, right.orders.complement_above);
   const T complement_second = select(small, left.complement_second, right.complement_second);
-  const T y2 = y * y, unscale = exp(T(-2) * y);
+  const T unscale = exp(T(-2) * y);
   for (int j = 0; j < most; ++j) {
     const auto climbing = T(j) < steps;
     if (!any(climbing)) break;
     const T order = mu + T(j);
-    const T lower = y2 * at / (order + T(1));
+    const T lower = y * (y * at) / (order + T(1));  // y^2 alone may underflow where y^2 h does not
     const T upper = ((order + T(1)) * above + lower) / (order + T(2));
     complement = select(climbing, j == 0 ? complement_second : T(complement - unscale * lower), complement);
     below = select(climbing, lower, below);
@@ -126,7 +132,7 @@ T complement_of_large_order(const T& a, const T& y) {
 // overflowed belongs to a result below exp(-700) for every order up to 1000.
 template <class T>
 T log_unscaled(const T& value, const T& y) {
-  return select(value < T(inf), T(log(value) - T(2) * y), T(-inf));
+  return select(value == T(inf), T(-inf), T(log(value) - T(2) * y));
 }
 
 }  // namespace microfacet::bessel

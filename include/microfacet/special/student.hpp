@@ -54,7 +54,7 @@ T centre_over_density(const T& k, const T& t) {
 template <class T>
 T excess_over_density(const T& k, const T& t) {
   const T t2 = t * t;
-  return square(T(k + t2)) / (T(4) * t2 * k * (k - T(0.5))) * tail_fraction(1.5, k, T(k / t2));
+  return square(T((k + t2) / t)) / (T(4) * k * (k - T(0.5))) * tail_fraction(1.5, k, T(k / t2));
 }
 
 }  // namespace microfacet::student
