@@ -4,7 +4,7 @@
 // using-declarations below and any other scalar (a SIMD batch, an automatic-differentiation number, a Dr.Jit
 // array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no `if`
 // on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
-// any(mask) may only end a bounded loop early; it never changes a result beyond rounding.
+// any(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes a result.
 #pragma once
 
 #include <cmath>
@@ -65,6 +65,14 @@ T maximum(const T& a, const T& b) {
 template <class T>
 T minimum(const T& a, const T& b) {
   return select(a > b, b, a);
+}
+
+// select between two computations, of which one is left out where no lane needs it.
+template <class Mask, class Taken, class Other>
+auto choose(const Mask& mask, const Taken& taken, const Other& other) {
+  if (!any(mask)) return other();
+  if (!any(!mask)) return taken();
+  return select(mask, taken(), other());
 }
 
 template <class T>

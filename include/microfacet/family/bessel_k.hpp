@@ -28,15 +28,19 @@ class bessel_radial {
  public:
   explicit bessel_radial(const T& a) : a_(a) {}
 
+  // log P22 from h_{a-1}: directly for a >= 1/2, else through y^2 h_{a-1}, the neighbour below order a.
   T log_P22(const T& y) const {
-    const T inside = clamp(y, square_floor());
-    const T value = bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).below / (T(pi) * inside * inside)), inside);
+    const T inside = clamp(y);
+    const auto direct = a_ >= T(0.5);
+    const bessel::neighbours<T> k = bessel::orders(T(select(direct, T(a_ - T(1)), a_)), inside);
+    const T value = bessel::log_unscaled(T(select(direct, k.at, T(a_ * k.below)) / T(pi)), inside) -
+                    select(direct, T(0), T(T(2) * log(inside)));
     const auto finite = a_ > T(1);
     const T at_normal = select(finite, T(-log(T(pi) * select(finite, T(a_ - T(1)), T(1)))), T(inf));
     return select(y == T(0), T(at_normal + value * T(0)), value);
   }
   T survival(const T& y) const {
-    const T inside = clamp(y, bessel::least_argument<T>());
+    const T inside = clamp(y);
     return exp(bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).at), inside));
   }
 
@@ -66,12 +70,9 @@ class bessel_radial {
   }
 
   // Beyond 1e9 every result is zero.
-  static T clamp(const T& y, const T& floor) { return minimum(maximum(y, floor), T(1e9)); }
+  static T clamp(const T& y) { return minimum(maximum(y, bessel::least_argument<T>()), T(1e9)); }
 
  private:
-  // Below this the square of y times P22 would not be a normal number.
-  static T square_floor() { return T(1e6) * sqrt(smallest<T>()); }
-
   T a_;
 };
 
@@ -91,22 +92,24 @@ class bessel_k {
 
   explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(most_a)), a)), radial_(a_) {}
 
-  T P22(const T& r2) const { return exp(radial_.log_P22(sqrt(r2))); }
+  T P22(const T& r2) const { return P22_of_slope(sqrt(r2)); }
+  // The density of slopes of length y; near its singularity the square of y underflows first.
+  T P22_of_slope(const T& y) const { return exp(radial_.log_P22(y)); }
   T D(const T& z, const T& h2) const { return density_from_log(radial_.log_P22(T(sqrt(h2) / z)), z); }
   T survival(const T& r2) const { return radial_.survival(sqrt(r2)); }
   T radius(const T& xi) const { return radial_.inverse(xi); }
   T radius2(const T& xi) const { return square(radius(xi)); }
   T P2(const T& t) const {
-    const T inside = radial_.clamp(abs(t), bessel::least_argument<T>());
+    const T inside = radial_.clamp(abs(t));
     const T value = variance_gamma::density(a_, inside, bessel::orders(T(a_ - T(0.5)), inside));
     const auto finite = a_ > T(0.5);
     const T at_zero = gamma_half_step(a_) * sqrt(a_) / (T(sqrt_pi) * select(finite, T(a_ - T(0.5)), T(1)));
     return select(t == T(0), select(finite, at_zero, T(at_zero * T(inf))), value);
   }
   T slope_sf(const T& t) const {
-    return symmetric_sf(t, [this](const T& x) { return variance_gamma::tails(a_, radial_.clamp(x, bessel::least_argument<T>())).sf; });
+    return symmetric_sf(t, [this](const T& x) { return variance_gamma::tails(a_, radial_.clamp(x)).sf; });
   }
-  T slope_excess(const T& x) const { return variance_gamma::tails(a_, radial_.clamp(x, bessel::least_argument<T>())).excess; }
+  T slope_excess(const T& x) const { return variance_gamma::tails(a_, radial_.clamp(x)).excess; }
 
  private:
   T a_;

@@ -28,6 +28,7 @@ class k0 {
   static constexpr bool shape_invariant = true;
 
   T P22(const T& r2) const { return isotropic().P22(r2); }
+  T P22_of_slope(const T& y) const { return isotropic().P22_of_slope(y); }
   T D(const T& z, const T& h2) const { return isotropic().D(z, h2); }
   T survival(const T& r2) const { return isotropic().survival(r2); }
   T radius(const T& xi) const { return isotropic().radius(xi); }

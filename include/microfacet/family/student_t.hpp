@@ -53,10 +53,14 @@ class student_t {
   T slope_excess(const T& x) const {
     const T k = where(k_ > T(parameters[0].lower - 1.0), k_), x2 = x * x;
     const auto tail = student::in_tail(k, x2);
-    const T safe = select(tail, x, T(sqrt(T(2) + k)));
-    const T far = P2(safe) * student::excess_over_density(k, safe);
-    const T near = norm_ * k / (T(2) * k - T(1)) * power(x2, T(k - T(0.5))) - x * upper_tail(x);
-    return select(tail, far, near);
+    const auto far = [&] {
+      const T inside = select(tail, x, T(sqrt(T(2) + k)));
+      return T(P2(inside) * student::excess_over_density(k, inside));
+    };
+    const auto near = [&] {
+      return T(norm_ * k / (T(2) * k - T(1)) * power(x2, T(k - T(0.5))) - x * upper_tail(x));
+    };
+    return choose(tail, far, near);
   }
 
  private:
@@ -64,9 +68,15 @@ class student_t {
 
   T upper_tail(const T& x) const {
     const auto tail = student::in_tail(k_, T(x * x));
-    const T far_x = select(tail, x, T(sqrt(T(2) + k_))), near_x = select(tail, T(0), x);
-    return select(tail, T(P2(far_x) * student::tail_over_density(k_, far_x)),
-                  T(T(0.5) - P2(near_x) * student::centre_over_density(k_, near_x)));
+    const auto far = [&] {
+      const T inside = select(tail, x, T(sqrt(T(2) + k_)));
+      return T(P2(inside) * student::tail_over_density(k_, inside));
+    };
+    const auto near = [&] {
+      const T inside = select(tail, T(0), x);
+      return T(T(0.5) - P2(inside) * student::centre_over_density(k_, inside));
+    };
+    return choose(tail, far, near);
   }
 
   T k_, norm_;

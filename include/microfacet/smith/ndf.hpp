@@ -19,7 +19,13 @@ class ndf {
   const Shape& shape() const { return shape_; }
 
   // Slopes.
-  T P22(const T& p, const T& q) const { return family_.P22(shape_.slope2(p, q)) / shape_.area(); }
+  T P22(const T& p, const T& q) const {
+    if constexpr (requires { family_.P22_of_slope(p); }) {
+      return family_.P22_of_slope(shape_.slope(p, q)) / shape_.area();
+    } else {
+      return family_.P22(shape_.slope2(p, q)) / shape_.area();
+    }
+  }
   T P2(const T& p) const { return family_.P2(shape_.standard(p)) / shape_.along_x(); }
   T slope_cdf(const T& p) const { return family_.slope_sf(T(-shape_.standard(p))); }
 

@@ -16,6 +16,14 @@ T valid_alpha(const T& alpha) {
   return where((alpha > T(0)) & (alpha < T(inf)), alpha);
 }
 
+// sqrt(p^2 + q^2) without the squares' under- and overflow.
+template <class T>
+T length(const T& p, const T& q) {
+  const T most = T(1) / smallest<T>(), a = minimum(T(abs(p)), most), b = minimum(T(abs(q)), most);
+  const T larger = maximum(maximum(a, b), smallest<T>());
+  return larger * sqrt(square(T(a / larger)) + square(T(b / larger)));
+}
+
 template <class T>
 class isotropic_shape {
  public:
@@ -23,6 +31,7 @@ class isotropic_shape {
 
   T area() const { return alpha_ * alpha_; }  // of the image of a unit square of standard slopes
   T slope2(const T& p, const T& q) const { return square(T(p / alpha_)) + square(T(q / alpha_)); }
+  T slope(const T& p, const T& q) const { return length(T(p / alpha_), T(q / alpha_)); }
   T standard(const T& p) const { return p / alpha_; }
   T along_x() const { return alpha_; }
   T stretch(const T& x, const T& y) const { return alpha_ * sqrt(x * x + y * y); }
@@ -41,6 +50,9 @@ class anisotropic_shape {
   T area() const { return alpha_x_ * alpha_y_; }
   T slope2(const T& p, const T& q) const {
     return square(T((c_ * p + s_ * q) / alpha_x_)) + square(T((c_ * q - s_ * p) / alpha_y_));
+  }
+  T slope(const T& p, const T& q) const {
+    return length(T((c_ * p + s_ * q) / alpha_x_), T((c_ * q - s_ * p) / alpha_y_));
   }
   // The slope along x of the surface is a standard slope times this, in any isotropic density.
   T along_x() const { return sqrt(square(T(alpha_x_ * c_)) + square(T(alpha_y_ * s_))); }

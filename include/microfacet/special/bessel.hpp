@@ -12,6 +12,8 @@
 
 namespace microfacet::bessel {
 
+using microfacet::select;
+
 template <class T>
 struct neighbours {
   T below;             // exp(2y) y^2 h_{nu-1}/Gamma(nu + 1)
@@ -25,6 +27,14 @@ struct start {
   neighbours<T> orders;
   T complement_second;  // 1 - h_{mu+2}/Gamma(mu + 2)
 };
+
+template <class T, class Mask>
+start<T> select(const Mask& mask, const start<T>& a, const start<T>& b) {
+  return {{select(mask, a.orders.below, b.orders.below), select(mask, a.orders.at, b.orders.at),
+           select(mask, a.orders.above, b.orders.above),
+           select(mask, a.orders.complement_above, b.orders.complement_above)},
+          select(mask, a.complement_second, b.complement_second)};
+}
 
 // Orders mu - 1, mu, mu + 1 for |mu| <= 1/2 and y <= 1: N. M. Temme, J. Comput. Phys. 19 (1975), multiplied by
 // y^mu so that nothing overflows for small y.
@@ -96,11 +106,11 @@ neighbours<T> orders(const T& nu, const T& y_argument) {
   const T y = maximum(y_argument, least_argument<T>());
   const T steps = floor(T(nu + T(0.5))), mu = nu - steps;
   const auto small = y <= T(1);
-  const start<T> left = temme(mu, T(select(small, y, T(1)))), right = trapezoid(mu, T(select(small, T(1), y)));
-  T below = select(small, left.orders.below, right.orders.below), at = select(small, left.orders.at, right.orders.at);
-  T above = select(small, left.orders.above, right.orders.above);
-  T complement = select(small, left.orders.complement_above, right.orders.complement_above);
-  const T complement_second = select(small, left.complement_second, right.complement_second);
+  const start<T> first = choose(
+      small, [&] { return temme(mu, T(select(small, y, T(1)))); },
+      [&] { return trapezoid(mu, T(select(small, T(1), y))); });
+  T below = first.orders.below, at = first.orders.at, above = first.orders.above;
+  T complement = first.orders.complement_above;
   const T unscale = exp(T(-2) * y);
   for (int j = 0; j < most; ++j) {
     const auto climbing = T(j) < steps;
@@ -108,7 +118,7 @@ neighbours<T> orders(const T& nu, const T& y_argument) {
     const T order = mu + T(j);
     const T lower = y * (y * at) / (order + T(1));  // y^2 alone may underflow where y^2 h does not
     const T upper = ((order + T(1)) * above + lower) / (order + T(2));
-    complement = select(climbing, j == 0 ? complement_second : T(complement - unscale * lower), complement);
+    complement = select(climbing, j == 0 ? first.complement_second : T(complement - unscale * lower), complement);
     below = select(climbing, lower, below);
     at = select(climbing, above, at);
     above = select(climbing, upper, above);

@@ -10,16 +10,19 @@
 namespace microfacet::student {
 
 // 1/(1 + e1/(1 + e2/(1 + ...))) with e_{2n+1} = (a + n)(k + n) y/((k + 2n)(k + 2n + 1)) and
-// e_{2n} = n (k - a + n) y/((k + 2n - 1)(k + 2n)): 2F1(a, 1; k + 1; -y).
+// e_{2n} = n (k - a + n) y/((k + 2n - 1)(k + 2n)), y = k/t^2: 2F1(a, 1; k + 1; -y).
 template <class T>
-T tail_fraction(double a, const T& k, const T& y) {
-  constexpr int pairs = 48;  // enough for y <= 2 at any k and for t >= 1.4 as k -> inf
+T tail_fraction(double a, const T& k, const T& t2) {
+  constexpr int most = 107;
+  const T y = k / t2, pairs = T(17) + T(90) / maximum(t2, T(1));  // as k -> inf, where most are needed
   T rest(1);
-  for (int n = pairs; n >= 0; --n) {
+  for (int n = most; n >= 0; --n) {
+    const auto counts = T(n) <= pairs;
+    if (!any(counts)) continue;
     const T k2 = k + T(2 * n);
-    const T odd = T(a + n) * (k + T(n)) * y / (k2 * (k2 + T(1)));
-    rest = T(1) + odd / rest;
-    if (n > 0) rest = T(1) + T(n) * (k + T(n - a)) * y / ((k2 - T(1)) * k2) / rest;
+    T next = T(1) + T(a + n) * (k + T(n)) * y / (k2 * (k2 + T(1))) / rest;
+    if (n > 0) next = T(1) + T(n) * (k + T(n - a)) * y / ((k2 - T(1)) * k2) / next;
+    rest = select(counts, next, rest);
   }
   return T(1) / rest;
 }
@@ -27,13 +30,13 @@ T tail_fraction(double a, const T& k, const T& y) {
 // Where the tail's fraction takes over from the central series.
 template <class T>
 auto in_tail(const T& k, const T& t2) {
-  return t2 >= minimum(T(2), T(T(0.5) * k));
+  return t2 >= minimum(T(1), T(T(0.5) * k));
 }
 
 // int_t^inf A^(-k-1/2) dt / A(t)^(-k-1/2) for t in the tail.
 template <class T>
 T tail_over_density(const T& k, const T& t) {
-  return (k + t * t) / (T(2) * k * t) * tail_fraction(0.5, k, T(k / (t * t)));
+  return (k + t * t) / (T(2) * k * t) * tail_fraction(0.5, k, T(t * t));
 }
 
 // int_0^t A^(-k-1/2) dt / A(t)^(-k-1/2) = t 2F1(k + 1/2, 1; 3/2; t^2/(k + t^2)) for t in the centre.
@@ -54,7 +57,7 @@ T centre_over_density(const T& k, const T& t) {
 template <class T>
 T excess_over_density(const T& k, const T& t) {
   const T t2 = t * t;
-  return square(T((k + t2) / t)) / (T(4) * k * (k - T(0.5))) * tail_fraction(1.5, k, T(k / t2));
+  return square(T((k + t2) / t)) / (T(4) * k * (k - T(0.5))) * tail_fraction(1.5, k, t2);
 }
 
 }  // namespace microfacet::student

@@ -9,10 +9,17 @@
 
 namespace microfacet::variance_gamma {
 
+using microfacet::select;
+
 template <class T>
 struct tail_pair {
   T sf, excess;  // int_t^inf P2, int_t^inf (y - t) P2(y) dy
 };
+
+template <class T, class Mask>
+tail_pair<T> select(const Mask& mask, const tail_pair<T>& a, const tail_pair<T>& b) {
+  return {select(mask, a.sf, b.sf), select(mask, a.excess, b.excess)};
+}
 
 // P2(t) from the orders nu - 1, nu, nu + 1 at t.
 template <class T>
@@ -75,9 +82,9 @@ template <class T>
 tail_pair<T> tails(const T& a, const T& t) {
   const bessel::neighbours<T> k = bessel::orders(T(a - T(0.5)), t);
   const auto far = in_tail(a, t);
-  const tail_pair<T> inner = centre(a, T(select(far, T(T(0.1) * sqrt(a)), t)), k);
-  const tail_pair<T> outer = tail(a, density(a, t, k), T(select(far, t, sqrt(a))));
-  return {select(far, outer.sf, inner.sf), select(far, outer.excess, inner.excess)};
+  return choose(
+      far, [&] { return tail(a, density(a, t, k), T(select(far, t, sqrt(a)))); },
+      [&] { return centre(a, T(select(far, T(T(0.1) * sqrt(a)), t)), k); });
 }
 
 }  // namespace microfacet::variance_gamma
