@@ -6,7 +6,9 @@
 namespace microfacet::bindings {
 namespace {
 
-PyObject* text(std::string_view s) { return PyUnicode_FromStringAndSize(s.data(), static_cast<Py_ssize_t>(s.size())); }
+PyObject* text(std::string_view s) {
+  return PyUnicode_FromStringAndSize(s.data(), static_cast<Py_ssize_t>(s.size()));
+}
 
 template <class Family>
 PyObject* parameters() {
@@ -14,8 +16,8 @@ PyObject* parameters() {
   Py_ssize_t i = 0;
   for (const parameter& p : Family::parameters) {
     PyTuple_SET_ITEM(list, i++,
-                     Py_BuildValue("(s#ddd)", p.name.data(), static_cast<Py_ssize_t>(p.name.size()), p.lower, p.upper,
-                                   p.density_lower));
+                     Py_BuildValue("(s#ddd)", p.name.data(), static_cast<Py_ssize_t>(p.name.size()), p.lower,
+                                   p.upper, p.density_lower));
   }
   return list;
 }
@@ -53,8 +55,15 @@ PyObject* add_families(PyObject* module, const std::tuple<Tag...>&) {
   return module;
 }
 
-PyModuleDef definition{PyModuleDef_HEAD_INIT, "microfacet._core", "Compiled kernels of microfacet.", -1, nullptr,
-                       nullptr,               nullptr,            nullptr,                           nullptr};
+PyModuleDef definition{PyModuleDef_HEAD_INIT,
+                       "microfacet._core",
+                       "Compiled kernels of microfacet.",
+                       -1,
+                       nullptr,
+                       nullptr,
+                       nullptr,
+                       nullptr,
+                       nullptr};
 
 }  // namespace
 }  // namespace microfacet::bindings

@@ -1,4 +1,5 @@
-// The quantities that Python sees, as operations on a distribution: name, shapes of values and result, meaning.
+// The quantities that Python sees, as operations on a distribution: name, shapes of values and result,
+// meaning.
 #pragma once
 
 #include <array>
@@ -53,8 +54,8 @@ MICROFACET_OPERATION(sigma_of_direction, "sigma", "direction_sigma", direction, 
 MICROFACET_OPERATION(Lambda_of_direction, "Lambda", "direction_Lambda", direction, ndf.Lambda(vector(x)))
 MICROFACET_OPERATION(G1_of_direction, "G1", "direction_G1", direction, ndf.G1(vector(x)))
 MICROFACET_OPERATION(G2_of_directions, "G2", "direction_G2", two_directions, ndf.G2(vector(x), vector(x + 3)))
-MICROFACET_OPERATION(G2_uncorrelated_of_directions, "G2_uncorrelated", "direction_G2_uncorrelated", two_directions,
-                     ndf.G2_uncorrelated(vector(x), vector(x + 3)))
+MICROFACET_OPERATION(G2_uncorrelated_of_directions, "G2_uncorrelated", "direction_G2_uncorrelated",
+                     two_directions, ndf.G2_uncorrelated(vector(x), vector(x + 3)))
 MICROFACET_OPERATION(D_visible_of_directions, "D_visible", "direction_D_visible", two_directions,
                      ndf.D_visible(vector(x), vector(x + 3)))
 MICROFACET_OPERATION(P22_of_stretched_slopes, "P22", "direction_P22", two_scalars, ndf.P22(x[0], x[1]))
@@ -76,11 +77,13 @@ struct normal_sample {
 
 template <class Family>
 bool add_operations(PyObject* space) {
-  return add_all<isotropic_model<Family>, false, D_of_cosine, P22_of_slopes, P2_of_slope, cdf_of_slope, sigma_of_cosine,
-                 Lambda_of_cosine, G1_of_cosine, survival_of_slope, slope_sample, cosine_sample>(space) &&
-         add_all<direction_model<Family>, true, D_of_normal, pdf_of_normal, sigma_of_direction, Lambda_of_direction,
-                 G1_of_direction, G2_of_directions, G2_uncorrelated_of_directions, D_visible_of_directions,
-                 P22_of_stretched_slopes, P2_of_stretched_slope, cdf_of_stretched_slope, normal_sample>(space);
+  return add_all<isotropic_model<Family>, false, D_of_cosine, P22_of_slopes, P2_of_slope, cdf_of_slope,
+                 sigma_of_cosine, Lambda_of_cosine, G1_of_cosine, survival_of_slope, slope_sample,
+                 cosine_sample>(space) &&
+         add_all<direction_model<Family>, true, D_of_normal, pdf_of_normal, sigma_of_direction,
+                 Lambda_of_direction, G1_of_direction, G2_of_directions, G2_uncorrelated_of_directions,
+                 D_visible_of_directions, P22_of_stretched_slopes, P2_of_stretched_slope,
+                 cdf_of_stretched_slope, normal_sample>(space);
 }
 
 }  // namespace microfacet::bindings

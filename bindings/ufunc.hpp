@@ -1,9 +1,9 @@
 // One family -> all its NumPy loops.
 //
-// A model turns a row of parameters into a distribution; an operation turns a distribution and a row of values
-// into a row of results. Their product is a ufunc (or, where values are directions, a generalised ufunc) with
-// float32 and float64 loops. float32 loops evaluate in float64 and round once, so that alpha = 1e-4 and the far
-// tails keep full accuracy.
+// A model turns a row of parameters into a distribution; an operation turns a distribution and a row of
+// values into a row of results. Their product is a ufunc (or, where values are directions, a generalised
+// ufunc) with float32 and float64 loops. float32 loops evaluate in float64 and round once, so that alpha =
+// 1e-4 and the far tails keep full accuracy.
 #pragma once
 
 #define PY_SSIZE_T_CLEAN
@@ -61,7 +61,8 @@ struct isotropic_model {
 
   static distribution make(const double* p) {
     if constexpr (Family::shape_invariant) {
-      return {make_family<Family>(p + 1, std::make_index_sequence<shape_parameters>()), isotropic_shape<double>(p[0])};
+      return {make_family<Family>(p + 1, std::make_index_sequence<shape_parameters>()),
+              isotropic_shape<double>(p[0])};
     } else {
       return {make_family<Family>(p, std::make_index_sequence<count>()), isotropic_shape<double>(1.0)};
     }
@@ -83,7 +84,8 @@ struct stretched_model {
 
 // A family that is no stretch of one density has no anisotropic form: its directions take alpha.
 template <class Family>
-using direction_model = std::conditional_t<Family::shape_invariant, stretched_model<Family>, isotropic_model<Family>>;
+using direction_model =
+    std::conditional_t<Family::shape_invariant, stretched_model<Family>, isotropic_model<Family>>;
 
 // The lengths of an operation's inputs and output; 0 stands for a scalar.
 template <std::size_t N>
@@ -91,7 +93,9 @@ struct layout {
   std::array<int, N> inputs;
   int output;
 
-  constexpr bool vectors() const { return output > 0 || std::any_of(inputs.begin(), inputs.end(), [](int n) { return n > 0; }); }
+  constexpr bool vectors() const {
+    return output > 0 || std::any_of(inputs.begin(), inputs.end(), [](int n) { return n > 0; });
+  }
   constexpr int values() const {
     int total = 0;
     for (const int n : inputs) total += n > 0 ? n : 1;
@@ -138,7 +142,8 @@ struct ufunc_loops {
       if (shape.output == 0) {
         *reinterpret_cast<T*>(target) = static_cast<T>(results[0]);
       } else {
-        for (int k = 0; k < shape.output; ++k) *reinterpret_cast<T*>(target + k * *core) = static_cast<T>(results[k]);
+        for (int k = 0; k < shape.output; ++k)
+          *reinterpret_cast<T*>(target + k * *core) = static_cast<T>(results[k]);
       }
     }
   }

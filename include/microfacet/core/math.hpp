@@ -2,9 +2,10 @@
 //
 // A kernel calls mathematics unqualified (exp(x), sqrt(x)), so that float and double find <cmath> through the
 // using-declarations below and any other scalar (a SIMD batch, an automatic-differentiation number, a Dr.Jit
-// array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no `if`
-// on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
-// any(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes a result.
+// array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no
+// `if` on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
+// any(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes a
+// result.
 #pragma once
 
 #include <cmath>
@@ -101,7 +102,7 @@ T log1p_over(const T& x) {
 // A shape parameter of a family: its name and the open interval in which the family is defined.
 struct parameter {
   std::string_view name;
-  double lower;          // for every quantity
+  double lower;  // for every quantity
   double upper;
   double density_lower;  // for the density and its slope marginals alone, where that is wider
 };

@@ -44,17 +44,19 @@ class bessel_radial {
     return exp(bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).at), inside));
   }
 
-  // Newton's method: on log(1 - survival) against log y below the median, on log(survival) against y above it.
+  // Newton's method: on log(1 - survival) against log y below the median, on log(survival) against y above
+  // it.
   T inverse(const T& xi) const {
     constexpr int most = 80;
-    const auto lower = xi < T(0.5), large = a_ > T(20);
+    const auto lower = xi<T(0.5), large = a_> T(20);
     const T target = log(select(lower, xi, T(T(1) - xi)));
     T y = T(0.8) * sqrt(a_);
     auto moving = y == y;  // a lane that has converged stays, so that a batch gives what a scalar gives
     for (int i = 0; i < most; ++i) {
       const bessel::neighbours<T> k = bessel::orders(a_, y);
       const T unscale = exp(T(-2) * y);
-      const T small_cdf = bessel::complement_of_large_order(T(select(large, a_, T(30))), T(select(large, y, T(1))));
+      const T small_cdf =
+          bessel::complement_of_large_order(T(select(large, a_, T(30))), T(select(large, y, T(1))));
       const T cdf = select(large & (y * y < a_), small_cdf, T(k.complement_above + unscale * k.below));
       const T left = (target - log(cdf)) * cdf / (T(2) * a_ * unscale * k.below);
       const T right = (log(a_ * k.at) - T(2) * y - target) * y * k.at / (T(2) * k.below);

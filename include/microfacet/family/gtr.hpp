@@ -1,7 +1,7 @@
 // GTR (generalised Trowbridge-Reitz): exponent gamma, through GGX at gamma = 2.
 //
-// GTR is a stretch of one density only for gamma = 2: alpha is a parameter of the density, and standard space is
-// slope space itself. With beta = |ln alpha^2|, g = (gamma - 1) sign(1 - alpha), phi(x) = (e^x - 1)/x,
+// GTR is a stretch of one density only for gamma = 2: alpha is a parameter of the density, and standard space
+// is slope space itself. With beta = |ln alpha^2|, g = (gamma - 1) sign(1 - alpha), phi(x) = (e^x - 1)/x,
 // lambda(x) = log(1 + x)/x, Omega = 2 ln(alpha)/(alpha^2 - 1) (1 at alpha = 1), and
 // L(r2) = |log((1 + r2)/(alpha^2 + r2))|, which falls from beta at r2 = 0 to 0, V = beta - L:
 //
@@ -50,7 +50,8 @@ class gtr {
 
   T P22(const T& r2) const { return D(T(1), minimum(r2, square(largest_slope<T>()))); }
 
-  // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows alone.
+  // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows
+  // alone.
   T D(const T& z, const T& h2) const {
     const T z2 = z * z, length2 = z2 + h2;
     const T q = (a2_ * z2 + h2) / smaller_;
@@ -87,7 +88,9 @@ class gtr {
 
   // (1/pi) int_0^inf survival(t^2 cosh^2 s)/cosh s ds.
   T slope_sf(const T& t) const {
-    return symmetric_sf(t, [this](const T& x) { return radial_integral(x, [](const T&, const T& cosh) { return T(1) / cosh; }); });
+    return symmetric_sf(t, [this](const T& x) {
+      return radial_integral(x, [](const T&, const T& cosh) { return T(1) / cosh; });
+    });
   }
 
   // (x/pi) int_0^inf survival(x^2 cosh^2 s) sinh^2 s/cosh s ds.
@@ -98,10 +101,11 @@ class gtr {
 
  private:
   T step() const { return minimum(T(0.2), T(T(0.36) / sqrt(gamma_))); }
-  // log(rest + weight exp(x))/x for weight + rest = 1, given phi = (exp(x) - 1)/x; the limit at x = 0 is weight.
+  // log(rest + weight exp(x))/x for weight + rest = 1, given phi = (exp(x) - 1)/x; the limit at x = 0 is
+  // weight.
   static T log_mean_exp(const T& weight, const T& rest, const T& x, const T& phi) {
     const T change = weight * x * phi;
-    const auto lost = change < T(-0.5), huge = x > T(80);
+    const auto lost = change<T(-0.5), huge = x> T(80);
     const T shrunk = log(rest + weight * exp(x)) / select(lost, x, T(1));
     const T grown = T(1) + log(weight + rest * exp(-x)) / select(huge, x, T(1));
     const T near = weight * phi * log1p_over(select(lost | huge, T(0), change));

@@ -1,8 +1,8 @@
 // What a family is: an isotropic density of slopes in standard space (roughness 1).
 //
-// A family states its joint density P22, the probability `survival` that the squared slope exceeds r2, and the
-// inverse of that. Its slope marginals follow from these by the integrals below, unless it has a closed form.
-// Everything else (sigma, Lambda, G1, G2, sampling, shape) is written once for all families, in smith/.
+// A family states its joint density P22, the probability `survival` that the squared slope exceeds r2, and
+// the inverse of that. Its slope marginals follow from these by the integrals below, unless it has a closed
+// form. Everything else (sigma, Lambda, G1, G2, sampling, shape) is written once for all families, in smith/.
 #pragma once
 
 #include <concepts>

@@ -6,10 +6,11 @@
 //   survival(r2)    = A(r2)^(-k)
 //   P2(t)           = N A(t^2)^(-k - 1/2),  N = Gamma(k + 1/2)/(sqrt(pi k) Gamma(k))
 //   slope_sf(t)     = Student's t tail, an incomplete Beta function
-//   slope_excess(x) = N k/(2k - 1) A(x^2)^(1/2 - k) - x slope_sf(x) for small x, a continued fraction for large
+//   slope_excess(x) = N k/(2k - 1) A(x^2)^(1/2 - k) - x slope_sf(x) for small x, a continued fraction for
+//   large
 //
-// Domain: gamma > 3/2; at 3/2 the mean slope, and with it sigma, diverges. The density and its slope marginals
-// need gamma > 1 only. Ribardiere et al. 2017; d'Eon's notebook "Student-T NDF".
+// Domain: gamma > 3/2; at 3/2 the mean slope, and with it sigma, diverges. The density and its slope
+// marginals need gamma > 1 only. Ribardiere et al. 2017; d'Eon's notebook "Student-T NDF".
 #pragma once
 
 #include <array>

@@ -1,7 +1,8 @@
 // Projected area, Smith's Lambda and masking of any family, in standard space, from slope_excess alone.
 //
 // With c = cos and s = sin of the stretched direction and J = slope_excess: the microfacets project the area
-// sigma(c, s) = E[max(0, c - s slope)] = max(c, 0) + s J(|c|/s), on the whole sphere (Heitz 2014; Smith 1967).
+// sigma(c, s) = E[max(0, c - s slope)] = max(c, 0) + s J(|c|/s), on the whole sphere (Heitz 2014; Smith
+// 1967).
 #pragma once
 
 #include "microfacet/core/math.hpp"

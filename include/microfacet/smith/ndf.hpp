@@ -9,7 +9,8 @@
 
 namespace microfacet {
 
-// Directions need not have unit length where only slopes matter (D, Lambda, G1); sigma is for unit directions.
+// Directions need not have unit length where only slopes matter (D, Lambda, G1); sigma is for unit
+// directions.
 template <class Family, class T, class Shape = anisotropic_shape<T>>
 class ndf {
  public:
@@ -32,8 +33,8 @@ class ndf {
   // Normals, per steradian: P22 at the slopes (-x/z, -y/z), over (z/|m|)^4.
   T D(const vec3<T>& m) const {
     const auto above = m.z > T(0);
-    // The stretched slope times z, squared: slope2 is homogeneous of degree two. Normals below the horizon are
-    // evaluated where no density is infinite, so that only a nan survives the multiplication by zero.
+    // The stretched slope times z, squared: slope2 is homogeneous of degree two. Normals below the horizon
+    // are evaluated where no density is infinite, so that only a nan survives the multiplication by zero.
     const T z = select(above, m.z, T(1)), h2 = select(above, shape_.slope2(m.x, m.y), T(1));
     const T value = family_.D(z, h2) / shape_.area() * square(dot(m, m));
     return select(above, value, T(value * T(0)));

@@ -1,8 +1,9 @@
 // The shape that stretches a density of standard space: alpha_x, alpha_y along axes turned by `rotation`.
 //
-// A slope (p, q) of the surface is the standard slope times (alpha_x, alpha_y) in the turned axes. The direction
-// that sees standard slopes as w sees the surface's has the same cosine and the components (alpha_x w_x, alpha_y w_y),
-// so sigma, which is homogeneous of degree one, needs only c = w_z and s, the length of those components.
+// A slope (p, q) of the surface is the standard slope times (alpha_x, alpha_y) in the turned axes. The
+// direction that sees standard slopes as w sees the surface's has the same cosine and the components (alpha_x
+// w_x, alpha_y w_y), so sigma, which is homogeneous of degree one, needs only c = w_z and s, the length of
+// those components.
 #pragma once
 
 #include "microfacet/core/math.hpp"

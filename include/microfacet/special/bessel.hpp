@@ -3,8 +3,8 @@
 //   h_nu(y) = 2 y^nu K_nu(2y) = int_0^inf m^(nu-1) exp(-m - y^2/m) dm
 //
 // is finite at y = 0 for nu > 0 (where it is Gamma(nu)) and obeys h_{nu+1} = nu h_nu + y^2 h_{nu-1}, all of
-// whose terms are positive: three neighbouring orders, divided by Gamma(nu + 1), climb from |mu| <= 1/2 without
-// overflow or loss. Everything below is scaled by exp(2y).
+// whose terms are positive: three neighbouring orders, divided by Gamma(nu + 1), climb from |mu| <= 1/2
+// without overflow or loss. Everything below is scaled by exp(2y).
 #pragma once
 
 #include "microfacet/core/math.hpp"
@@ -36,18 +36,20 @@ start<T> select(const Mask& mask, const start<T>& a, const start<T>& b) {
           select(mask, a.complement_second, b.complement_second)};
 }
 
-// Orders mu - 1, mu, mu + 1 for |mu| <= 1/2 and y <= 1: N. M. Temme, J. Comput. Phys. 19 (1975), multiplied by
-// y^mu so that nothing overflows for small y.
+// Orders mu - 1, mu, mu + 1 for |mu| <= 1/2 and y <= 1: N. M. Temme, J. Comput. Phys. 19 (1975), multiplied
+// by y^mu so that nothing overflows for small y.
 template <class T>
 start<T> temme(const T& mu, const T& y) {
   const reciprocal_gamma<T> rg(mu);
   const T plus = rg.even + mu * rg.odd, minus = rg.even - mu * rg.odd;  // 1/Gamma(1 +- mu)
   const T log_y = log(y), y2 = y * y;
   const T power = exp(T(2) * mu * log_y);  // y^(2 mu)
-  T f = (T(-0.5) * rg.odd * (T(1) + power) - rg.even * log_y * expm1_over(T(T(2) * mu * log_y))) / (plus * minus);
+  T f = (T(-0.5) * rg.odd * (T(1) + power) - rg.even * log_y * expm1_over(T(T(2) * mu * log_y))) /
+        (plus * minus);
   T p = T(0.5) / plus, q = T(0.5) * power / minus;
   const T p0 = p;
-  // The terms of 1 - h_{mu+2}/Gamma(mu + 2), of which the first is y^2 p0/(1 + mu) since mu f = p - q throughout.
+  // The terms of 1 - h_{mu+2}/Gamma(mu + 2), of which the first is y^2 p0/(1 + mu) since mu f = p - q
+  // throughout.
   T second = y2 * p0 / (T(1) + mu);
   T c(1), sum = f, above(0), below = q;
   for (int i = 1; i <= 20; ++i) {
@@ -67,8 +69,9 @@ start<T> temme(const T& mu, const T& y) {
   return {{scale * below, scale * sum, scale * (p0 + above) / (T(1) + mu), -above / p0}, second / p0};
 }
 
-// The same for y > 1, by the trapezoidal rule on K_mu(z) = int_0^inf exp(-z cosh t) cosh(mu t) dt in the variable
-// s = sqrt(2z) sinh(t/2), in which the weight is exp(-s^2); the nearest singularity is at s = i sqrt(2z).
+// The same for y > 1, by the trapezoidal rule on K_mu(z) = int_0^inf exp(-z cosh t) cosh(mu t) dt in the
+// variable s = sqrt(2z) sinh(t/2), in which the weight is exp(-s^2); the nearest singularity is at s = i
+// sqrt(2z).
 template <class T>
 start<T> trapezoid(const T& mu, const T& y) {
   constexpr int nodes = 24;
@@ -118,7 +121,8 @@ neighbours<T> orders(const T& nu, const T& y_argument) {
     const T order = mu + T(j);
     const T lower = y * (y * at) / (order + T(1));  // y^2 alone may underflow where y^2 h does not
     const T upper = ((order + T(1)) * above + lower) / (order + T(2));
-    complement = select(climbing, j == 0 ? first.complement_second : T(complement - unscale * lower), complement);
+    complement =
+        select(climbing, j == 0 ? first.complement_second : T(complement - unscale * lower), complement);
     below = select(climbing, lower, below);
     at = select(climbing, above, at);
     above = select(climbing, upper, above);
@@ -126,8 +130,9 @@ neighbours<T> orders(const T& nu, const T& y_argument) {
   return {below, at, above, complement};
 }
 
-// 1 - h_a/Gamma(a) for a > 20 and y^2 < a, where the terms of the other solution are far below rounding: sum over
-// k of -(-y^2)^k/(k! (a - 1)...(a - k)) (DLMF 10.25.2, 10.27.4). The recurrence would lose a factor of a.
+// 1 - h_a/Gamma(a) for a > 20 and y^2 < a, where the terms of the other solution are far below rounding: sum
+// over k of -(-y^2)^k/(k! (a - 1)...(a - k)) (DLMF 10.25.2, 10.27.4). The recurrence would lose a factor of
+// a.
 template <class T>
 T complement_of_large_order(const T& a, const T& y) {
   T term(-1), sum(0);
@@ -138,8 +143,8 @@ T complement_of_large_order(const T& a, const T& y) {
   return sum;
 }
 
-// log(exp(-2y) value): the scale undone in the exponent, where it underflows only if the result does. A value that
-// overflowed belongs to a result below exp(-700) for every order up to 1000.
+// log(exp(-2y) value): the scale undone in the exponent, where it underflows only if the result does. A value
+// that overflowed belongs to a result below exp(-700) for every order up to 1000.
 template <class T>
 T log_unscaled(const T& value, const T& y) {
   return select(value == T(inf), T(-inf), T(log(value) - T(2) * y));

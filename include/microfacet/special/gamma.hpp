@@ -46,13 +46,13 @@ T gamma_half_step(const T& k) {
 template <class T>
 T log_gamma(const T& x) {
   constexpr int shift = 9;
-  constexpr std::array<double, 7> series{1.0 / 12,    -1.0 / 360,       1.0 / 1260, -1.0 / 1680,
+  constexpr std::array<double, 7> series{1.0 / 12,   -1.0 / 360,      1.0 / 1260, -1.0 / 1680,
                                          1.0 / 1188, -691.0 / 360360, 1.0 / 156};
   T product(1);
   for (int i = 0; i < shift; ++i) product = product * ((x + T(i)) / (x + T(shift)));
   const T z = x + T(shift), w = T(1) / z;
-  return (z - T(0.5)) * log(z) - z + T(0.91893853320467274178) + w * polynomial(series, T(w * w)) - log(product) -
-         T(shift) * log(z);
+  return (z - T(0.5)) * log(z) - z + T(0.91893853320467274178) + w * polynomial(series, T(w * w)) -
+         log(product) - T(shift) * log(z);
 }
 
 // Euler's Beta function B(1 + a, 1 + b) for a, b >= 0.

@@ -1,8 +1,8 @@
 // Tails of Student's t-density A(t)^(-k - 1/2), A(t) = 1 + t^2/k, relative to the density itself.
 //
 // Both are ratios of incomplete Beta functions. For large t they are Gauss' continued fraction of
-// 2F1(a, 1; k + 1; -k/t^2), whose partial numerators are positive (DLMF 15.7.5); for small t the series of the
-// central part has only positive terms (DLMF 8.17.8). Neither ever subtracts two large numbers.
+// 2F1(a, 1; k + 1; -k/t^2), whose partial numerators are positive (DLMF 15.7.5); for small t the series of
+// the central part has only positive terms (DLMF 8.17.8). Neither ever subtracts two large numbers.
 #pragma once
 
 #include "microfacet/core/math.hpp"

@@ -33,8 +33,9 @@ auto in_tail(const T& a, const T& t) {
   return t * t > T(0.49) * a;
 }
 
-// Closed form for the centre: 1/2 - sf = t (K_nu L_{nu-1} + L_nu K_{nu-1})(2t) with modified Struve functions L
-// (DLMF 10.43.2), in which every term is positive; excess = int_t^inf y P2 - t sf, the first of these in K_{nu+1}.
+// Closed form for the centre: 1/2 - sf = t (K_nu L_{nu-1} + L_nu K_{nu-1})(2t) with modified Struve functions
+// L (DLMF 10.43.2), in which every term is positive; excess = int_t^inf y P2 - t sf, the first of these in
+// K_{nu+1}.
 template <class T>
 tail_pair<T> centre(const T& a, const T& t, const bessel::neighbours<T>& k) {
   const T t2 = t * t;
@@ -53,8 +54,8 @@ tail_pair<T> centre(const T& a, const T& t, const bessel::neighbours<T>& k) {
   return {sf, T(0.5) * scale * (a + T(0.5)) * k.above - t * sf};
 }
 
-// For the tail: averages of Beckmann's tails over the mixing variable m = m0 e^tau, relative to the same average
-// of Beckmann's density, by the trapezoidal rule round the peak m0 of the weight.
+// For the tail: averages of Beckmann's tails over the mixing variable m = m0 e^tau, relative to the same
+// average of Beckmann's density, by the trapezoidal rule round the peak m0 of the weight.
 template <class T>
 tail_pair<T> tail(const T& a, const T& density, const T& t) {
   constexpr int most = 400;
