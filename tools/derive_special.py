@@ -6,11 +6,14 @@
   and (1 + 2 x)^2 exp(x^2) ierfc(x), both of which are finite and smooth up to infinity (the mapping of
   Shepherd and Laframboise, Mathematics of Computation 36, 1981).
 * reciprocal_gamma: the Taylor series of 1/Gamma(1 + mu), even and odd part, for Temme's K_nu (|mu| <= 1/2).
+* debye_u, debye_v: Debye's polynomials of the expansions of K_nu and its derivative for large order, by their
+  recurrence in rational arithmetic (DLMF 10.41.9 to 10.41.11): U_k = p^k times row k in p^2, likewise V_k.
 """
 
 from __future__ import annotations
 
 import sys
+from fractions import Fraction
 
 import mpmath
 
@@ -42,6 +45,41 @@ def chebyshev(function, limit, degree: int = 60) -> list[mpmath.mpf]:
     return out
 
 
+def debye(terms: int) -> tuple[list[list[Fraction]], list[list[Fraction]]]:
+    """Rows of U_k and V_k, each as the coefficients of p^k, p^(k+2), ..., p^(3k)."""
+    u = [{0: Fraction(1)}]
+    for _ in range(terms - 1):
+        new: dict[int, Fraction] = {}
+        for power, c in u[-1].items():
+            # p^2 (1 - p^2) U'/2 + (1/8) int (1 - 5 t^2) U dt
+            for shift, factor in (
+                (1, Fraction(power, 2) + Fraction(1, 8 * (power + 1))),
+                (3, -Fraction(power, 2) - Fraction(5, 8 * (power + 3))),
+            ):
+                new[power + shift] = new.get(power + shift, Fraction(0)) + c * factor
+        u.append(new)
+    v = [dict(u[0])]
+    for k in range(1, terms):
+        # U_k - p (1 - p^2) (U_{k-1}/2 + p U'_{k-1})
+        new = dict(u[k])
+        for power, c in u[k - 1].items():
+            for shift, sign in ((1, -1), (3, 1)):
+                change = sign * c * (Fraction(1, 2) + power)
+                new[power + shift] = new.get(power + shift, Fraction(0)) + change
+        v.append(new)
+    return tuple([[row[k + 2 * j] for j in range(k + 1)] for k, row in enumerate(rows)] for rows in (u, v))
+
+
+def table(name: str, comment: str, rows: list[list[Fraction]]) -> str:
+    size = len(rows)
+    body = ""
+    for row in rows:
+        values = [mpmath.mpf(c.numerator) / c.denominator for c in row] + [mpmath.mpf(0)] * (size - len(row))
+        body += "    {" + ", ".join(mpmath.nstr(v, 20, min_fixed=0, max_fixed=0) for v in values) + "},\n"
+    kind = f"std::array<std::array<double, {size}>, {size}>"
+    return f"// {comment}\ninline constexpr {kind} {name}{{{{\n{body}}}}};\n"
+
+
 def array(name: str, comment: str, values: list[mpmath.mpf]) -> str:
     body = "".join(f"    {mpmath.nstr(v, 20, min_fixed=0, max_fixed=0)},\n" for v in values)
     return f"// {comment}\ninline constexpr std::array<double, {len(values)}> {name}{{\n{body}}};\n"
@@ -50,6 +88,7 @@ def array(name: str, comment: str, values: list[mpmath.mpf]) -> str:
 def main() -> None:
     two_over_root_pi = 2 / mpmath.sqrt(mpmath.pi)
     gamma_series = mpmath.taylor(mpmath.rgamma, 1, 24)
+    debye_u, debye_v = debye(6)
     parts = [
         array(
             "erfc_scaled",
@@ -63,6 +102,8 @@ def main() -> None:
         ),
         array("reciprocal_gamma_even", "even part of 1/Gamma(1 + mu), in mu^2", gamma_series[0:22:2]),
         array("reciprocal_gamma_odd", "odd part of 1/Gamma(1 + mu) over mu, in mu^2", gamma_series[1:22:2]),
+        table("debye_u", "U_k(p) = p^k times row k in p^2", debye_u),
+        table("debye_v", "V_k(p) = p^k times row k in p^2", debye_v),
     ]
     sys.stdout.write(
         "// Derived by tools/derive_special.py in 60 digits; do not edit by hand.\n#pragma once\n\n"

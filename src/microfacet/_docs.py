@@ -7,6 +7,7 @@ meaning, domain and behaviour of the quantity and attaches the result to the ufu
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from textwrap import fill, indent
 
@@ -184,6 +185,8 @@ Examples
 
 def document(kernel: np.ufunc, quantity: str, family: FamilyText) -> np.ufunc:
     """Attach the docstring of `quantity` of `family` to its ufunc and return the ufunc."""
+    with suppress(AttributeError, TypeError):  # settable since NumPy 2.3; before, pickle searches all modules
+        kernel.__module__ = f"microfacet._family.{family.name}"
     kernel.__doc__ = _text(quantity, family)  # type: ignore[misc]  # settable since NumPy 2.2
     return kernel
 

@@ -93,6 +93,15 @@ T expm1_over(const T& x) {
   const auto zero = x == T(0);
   return select(zero, T(1), expm1(x) / select(zero, T(1), x));
 }
+// exp(x) - 1 - x, by its series near 0, where the difference cancels.
+template <class T>
+T expm1_less(const T& x) {
+  const auto near = abs(x) < T(0.3);
+  const T inside = select(near, x, T(0));
+  T series(1);
+  for (int k = 13; k >= 3; --k) series = T(1) + series * inside / T(k);
+  return select(near, T(T(0.5) * inside * inside * series), T(expm1(x) - x));
+}
 template <class T>
 T log1p_over(const T& x) {
   const auto zero = x == T(0);

@@ -33,33 +33,33 @@ class bessel_radial {
     const T inside = clamp(y);
     const auto direct = a_ >= T(0.5);
     const bessel::neighbours<T> k = bessel::orders(T(select(direct, T(a_ - T(1)), a_)), inside);
-    const T value = bessel::log_unscaled(T(select(direct, k.at, T(a_ * k.below)) / T(pi)), inside) -
+    const T value = bessel::log_unscaled(T(select(direct, k.at, T(a_ * k.below)) / T(pi)), k.exponent) -
                     select(direct, T(0), T(T(2) * log(inside)));
     const auto finite = a_ > T(1);
     const T at_normal = select(finite, T(-log(T(pi) * select(finite, T(a_ - T(1)), T(1)))), T(inf));
     return select(y == T(0), T(at_normal + value * T(0)), value);
   }
   T survival(const T& y) const {
-    const T inside = clamp(y);
-    return exp(bessel::log_unscaled(T(a_ * bessel::orders(a_, inside).at), inside));
+    const bessel::neighbours<T> k = bessel::orders(a_, clamp(y));
+    return exp(bessel::log_unscaled(T(a_ * k.at), k.exponent));
   }
 
-  // Newton's method: on log(1 - survival) against log y below the median, on log(survival) against y above
-  // it.
+  // Newton's method: below the median on log(1 - survival) against log y, above on log(survival) against y.
   T inverse(const T& xi) const {
     constexpr int most = 80;
-    const auto lower = xi<T(0.5), large = a_> T(20);
+    const auto lower = xi < T(0.5);
+    const auto large = a_ > T(20);
     const T target = log(select(lower, xi, T(T(1) - xi)));
     T y = T(0.8) * sqrt(a_);
     auto moving = y == y;  // a lane that has converged stays, so that a batch gives what a scalar gives
     for (int i = 0; i < most; ++i) {
       const bessel::neighbours<T> k = bessel::orders(a_, y);
-      const T unscale = exp(T(-2) * y);
+      const T unscale = exp(k.exponent);
       const T small_cdf =
           bessel::complement_of_large_order(T(select(large, a_, T(30))), T(select(large, y, T(1))));
       const T cdf = select(large & (y * y < a_), small_cdf, T(k.complement_above + unscale * k.below));
       const T left = (target - log(cdf)) * cdf / (T(2) * a_ * unscale * k.below);
-      const T right = (log(a_ * k.at) - T(2) * y - target) * y * k.at / (T(2) * k.below);
+      const T right = (log(a_ * k.at) + k.exponent - target) * y * k.at / (T(2) * k.below);
       const T left_y = y * exp(minimum(maximum(left, T(-30)), T(1)));
       const T right_y = y + maximum(right, T(T(-0.5) * y));
       const T next = maximum(T(select(lower, left_y, right_y)), bessel::least_argument<T>());
@@ -71,8 +71,10 @@ class bessel_radial {
     return select(xi == T(0), T(0), select(xi == T(1), T(inf), y));
   }
 
-  // Beyond 1e9 every result is zero.
-  static T clamp(const T& y) { return minimum(maximum(y, bessel::least_argument<T>()), T(1e9)); }
+  // Neither 0 nor infinite; beyond 1e9 sqrt(a) every result is zero.
+  T clamp(const T& y) const {
+    return minimum(maximum(y, bessel::least_argument<T>()), T(T(1e9) * maximum(sqrt(a_), T(1))));
+  }
 
  private:
   T a_;
@@ -82,17 +84,14 @@ class bessel_radial {
 
 template <class T>
 class bessel_k {
-  // Beyond this a the recurrence over orders, one step for each unit of a, would take too long.
-  static constexpr double most_a = 1000;
-
  public:
   using scalar = T;
   static constexpr std::string_view name = "bessel_k";
-  static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, most_a, 0.0}}};
+  static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, inf, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
 
-  explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(most_a)), a)), radial_(a_) {}
+  explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(inf)), a)), radial_(a_) {}
 
   T P22(const T& r2) const { return P22_of_slope(sqrt(r2)); }
   // The density of slopes of length y; near its singularity the square of y underflows first.
@@ -103,7 +102,7 @@ class bessel_k {
   T radius2(const T& xi) const { return square(radius(xi)); }
   T P2(const T& t) const {
     const T inside = radial_.clamp(abs(t));
-    const T value = variance_gamma::density(a_, inside, bessel::orders(T(a_ - T(0.5)), inside));
+    const T value = variance_gamma::density(a_, bessel::orders(T(a_ - T(0.5)), inside));
     const auto finite = a_ > T(0.5);
     const T at_zero = gamma_half_step(a_) * sqrt(a_) / (T(sqrt_pi) * select(finite, T(a_ - T(0.5)), T(1)));
     return select(t == T(0), select(finite, at_zero, T(at_zero * T(inf))), value);

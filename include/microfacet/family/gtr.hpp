@@ -96,7 +96,7 @@ class gtr {
   // (x/pi) int_0^inf survival(x^2 cosh^2 s) sinh^2 s/cosh s ds.
   T slope_excess(const T& x_argument) const {
     const T x = maximum(x_argument, floor_of_slopes());
-    return x * radial_integral(x, [](const T& sinh, const T& cosh) { return sinh * sinh / cosh; });
+    return x * radial_integral(x, [](const T& sinh, const T& cosh) { return sinh * (sinh / cosh); });
   }
 
  private:

@@ -4,10 +4,14 @@
 //
 // is finite at y = 0 for nu > 0 (where it is Gamma(nu)) and obeys h_{nu+1} = nu h_nu + y^2 h_{nu-1}, all of
 // whose terms are positive: three neighbouring orders, divided by Gamma(nu + 1), climb from |mu| <= 1/2
-// without overflow or loss. Everything below is scaled by exp(2y).
+// without overflow or loss; from order 500 on they are Debye's expansion. Values come with a common exponent.
 #pragma once
 
+#include <cstddef>
+
+#include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/math.hpp"
+#include "microfacet/special/coefficients.hpp"
 #include "microfacet/special/gamma.hpp"
 
 namespace microfacet::bessel {
@@ -15,11 +19,12 @@ namespace microfacet::bessel {
 using microfacet::select;
 
 template <class T>
-struct neighbours {
-  T below;             // exp(2y) y^2 h_{nu-1}/Gamma(nu + 1)
-  T at;                // exp(2y) h_nu/Gamma(nu + 1)
-  T above;             // exp(2y) h_{nu+1}/Gamma(nu + 2)
-  T complement_above;  // 1 - h_{nu+1}/Gamma(nu + 1), not scaled, without cancellation for small y
+struct neighbours {  // times exp(exponent), which only the complement does without
+  T below;           // y^2 h_{nu-1}/Gamma(nu + 1)
+  T at;              // h_nu/Gamma(nu + 1)
+  T above;           // h_{nu+1}/Gamma(nu + 2)
+  T exponent;
+  T complement_above;  // 1 - h_{nu+1}/Gamma(nu + 1), without cancellation for small y
 };
 
 template <class T>
@@ -29,11 +34,14 @@ struct start {
 };
 
 template <class T, class Mask>
+neighbours<T> select(const Mask& mask, const neighbours<T>& a, const neighbours<T>& b) {
+  return {select(mask, a.below, b.below), select(mask, a.at, b.at), select(mask, a.above, b.above),
+          select(mask, a.exponent, b.exponent), select(mask, a.complement_above, b.complement_above)};
+}
+
+template <class T, class Mask>
 start<T> select(const Mask& mask, const start<T>& a, const start<T>& b) {
-  return {{select(mask, a.orders.below, b.orders.below), select(mask, a.orders.at, b.orders.at),
-           select(mask, a.orders.above, b.orders.above),
-           select(mask, a.orders.complement_above, b.orders.complement_above)},
-          select(mask, a.complement_second, b.complement_second)};
+  return {select(mask, a.orders, b.orders), select(mask, a.complement_second, b.complement_second)};
 }
 
 // Orders mu - 1, mu, mu + 1 for |mu| <= 1/2 and y <= 1: N. M. Temme, J. Comput. Phys. 19 (1975), multiplied
@@ -66,7 +74,8 @@ start<T> temme(const T& mu, const T& y) {
     sum = next;
   }
   const T scale = T(2) * exp(T(2) * y) * plus;
-  return {{scale * below, scale * sum, scale * (p0 + above) / (T(1) + mu), -above / p0}, second / p0};
+  return {{scale * below, scale * sum, scale * (p0 + above) / (T(1) + mu), T(-2) * y, -above / p0},
+          second / p0};
 }
 
 // The same for y > 1, by the trapezoidal rule on K_mu(z) = int_0^inf exp(-z cosh t) cosh(mu t) dt in the
@@ -92,9 +101,12 @@ start<T> trapezoid(const T& mu, const T& y) {
   const T scale = T(2) * step * exp(mu * log(y)) * plus;
   const T above_gamma = scale * y * above;  // over Gamma(mu + 1)
   const T first = T(1) - exp(-z) * above_gamma;
-  return {{scale * y * below, scale * at, above_gamma / (T(1) + mu), first},
+  return {{scale * y * below, scale * at, above_gamma / (T(1) + mu), -z, first},
           first - exp(-z) * y * y * scale * at / (T(1) + mu)};
 }
+
+// Where Debye's expansion, of which the first term left out is 6 orders smaller, is good to rounding.
+inline constexpr double large_order = 500;
 
 // The smallest y that is told from 0: 1/y, the size of h_{-1/2}, must stay finite.
 template <class T>
@@ -102,36 +114,59 @@ T least_argument() {
   return T(64) * smallest<T>();
 }
 
-// h_nu and its neighbours for nu >= -1/2 and y >= 0, which counts as at least least_argument.
+// Orders below `large_order`: up the recurrence, one step for each unit of nu.
 template <class T>
-neighbours<T> orders(const T& nu, const T& y_argument) {
-  constexpr int most = 1000;
-  const T y = maximum(y_argument, least_argument<T>());
+neighbours<T> climb(const T& nu, const T& y) {
   const T steps = floor(T(nu + T(0.5))), mu = nu - steps;
   const auto small = y <= T(1);
   const start<T> first = choose(
       small, [&] { return temme(mu, T(select(small, y, T(1)))); },
       [&] { return trapezoid(mu, T(select(small, T(1), y))); });
-  T below = first.orders.below, at = first.orders.at, above = first.orders.above;
-  T complement = first.orders.complement_above;
-  const T unscale = exp(T(-2) * y);
-  for (int j = 0; j < most; ++j) {
+  neighbours<T> k = first.orders;
+  const T unscale = exp(k.exponent);
+  for (int j = 0; j <= static_cast<int>(large_order); ++j) {
     const auto climbing = T(j) < steps;
     if (!any(climbing)) break;
     const T order = mu + T(j);
-    const T lower = y * (y * at) / (order + T(1));  // y^2 alone may underflow where y^2 h does not
-    const T upper = ((order + T(1)) * above + lower) / (order + T(2));
-    complement =
-        select(climbing, j == 0 ? first.complement_second : T(complement - unscale * lower), complement);
-    below = select(climbing, lower, below);
-    at = select(climbing, above, at);
-    above = select(climbing, upper, above);
+    const T lower = y * (y * k.at) / (order + T(1));  // y^2 alone may underflow where y^2 h does not
+    const T upper = ((order + T(1)) * k.above + lower) / (order + T(2));
+    const T complement = j == 0 ? first.complement_second : T(k.complement_above - unscale * lower);
+    k = select(climbing, neighbours<T>{lower, k.above, upper, k.exponent, complement}, k);
   }
-  return {below, at, above, complement};
+  return k;
+}
+
+// Large orders: Debye's expansions of K_m and its derivative at m = nu - 1 (DLMF 10.41.4 and 10.41.6), with
+// z = 2y/m; the Gamma function and the exponential cancel into exponent and Stirling's series.
+template <class T>
+neighbours<T> debye(const T& nu, const T& y) {
+  const T m = nu - T(1), z = T(2) * y / m, root = sqrt(T(1) + z * z), p = T(1) / root;
+  T u(0), v(0);
+  for (std::size_t k = coefficients::debye_u.size(); k-- > 0;) {
+    u = u * (-p / m) + polynomial(coefficients::debye_u[k], T(p * p));
+    v = v * (-p / m) + polynomial(coefficients::debye_v[k], T(p * p));
+  }
+  const T rise = z * z / (T(1) + root);  // root - 1
+  const T exponent = -m * (rise - log1p(T(0.5) * rise));
+  const T stirling = exp((T(1) / (T(30) * m * m) - T(1)) / (T(12) * m));
+  const T before = u * stirling / (m * sqrt(root));  // h_m/Gamma(m + 1)
+  const T at = before * (m / (T(2) * nu)) * (T(1) + root * v / u), below = y * (y * before) / nu;
+  const T above = (nu * at + below) / (nu + T(1));
+  return {below, at, above, exponent, T(1) - exp(exponent) * (nu + T(1)) * above};
+}
+
+// h_nu and its neighbours for nu >= -1/2 and y >= 0, which counts as at least least_argument.
+template <class T>
+neighbours<T> orders(const T& nu, const T& y_argument) {
+  const T y = maximum(y_argument, least_argument<T>());
+  const auto large = nu >= T(large_order);
+  return choose(
+      large, [&] { return debye(T(select(large, nu, T(large_order))), y); },
+      [&] { return climb(T(select(large, T(0), nu)), y); });
 }
 
 // 1 - h_a/Gamma(a) for a > 20 and y^2 < a, where the terms of the other solution are far below rounding: sum
-// over k of -(-y^2)^k/(k! (a - 1)...(a - k)) (DLMF 10.25.2, 10.27.4). The recurrence would lose a factor of
+// of -(-y^2)^k/(k! (a - 1)...(a - k)) over k >= 1 (DLMF 10.25.2, 10.27.4). The recurrence loses a factor of
 // a.
 template <class T>
 T complement_of_large_order(const T& a, const T& y) {
@@ -143,11 +178,11 @@ T complement_of_large_order(const T& a, const T& y) {
   return sum;
 }
 
-// log(exp(-2y) value): the scale undone in the exponent, where it underflows only if the result does. A value
-// that overflowed belongs to a result below exp(-700) for every order up to 1000.
+// log(value exp(exponent)), which underflows only if the result does. A value that overflowed belongs to a
+// result below exp(-700) for every order that climbs.
 template <class T>
-T log_unscaled(const T& value, const T& y) {
-  return select(value == T(inf), T(-inf), T(log(value) - T(2) * y));
+T log_unscaled(const T& value, const T& exponent) {
+  return select(value == T(inf), T(-inf), T(log(value) + exponent));
 }
 
 }  // namespace microfacet::bessel

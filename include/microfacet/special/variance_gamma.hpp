@@ -23,8 +23,8 @@ tail_pair<T> select(const Mask& mask, const tail_pair<T>& a, const tail_pair<T>&
 
 // P2(t) from the orders nu - 1, nu, nu + 1 at t.
 template <class T>
-T density(const T& a, const T& t, const bessel::neighbours<T>& k) {
-  return exp(bessel::log_unscaled(T(gamma_half_step(a) * sqrt(a) / T(sqrt_pi) * k.at), t));
+T density(const T& a, const bessel::neighbours<T>& k) {
+  return exp(bessel::log_unscaled(T(gamma_half_step(a) * sqrt(a) / T(sqrt_pi) * k.at), k.exponent));
 }
 
 // Where the mixture integral takes over from the closed form.
@@ -49,7 +49,7 @@ tail_pair<T> centre(const T& a, const T& t, const bessel::neighbours<T>& k) {
     lower = next;
     upper = upper + upper_term;
   }
-  const T scale = exp(T(-2) * t) * gamma_half_step(a) * sqrt(a) / T(sqrt_pi);
+  const T scale = exp(k.exponent) * gamma_half_step(a) * sqrt(a) / T(sqrt_pi);
   const T sf = T(0.5) - scale * t * (k.at * lower + k.below * upper / a);
   return {sf, T(0.5) * scale * (a + T(0.5)) * k.above - t * sf};
 }
@@ -66,7 +66,7 @@ tail_pair<T> tail(const T& a, const T& density, const T& t) {
   for (const double sign : {1.0, -1.0}) {
     for (int j = sign > 0 ? 0 : 1; j < most; ++j) {
       const T tau = T(sign * j) * step;
-      const T exponent = a * tau - peak * expm1(tau) - spread * expm1(-tau);
+      const T exponent = -peak * expm1_less(tau) - spread * expm1_less(T(-tau));
       if (!any(exponent > T(-42))) break;
       const T weight = exp(maximum(exponent, T(-80)));
       const T sigma = root * exp(T(0.5) * tau), x = t / sigma;
@@ -84,7 +84,7 @@ tail_pair<T> tails(const T& a, const T& t) {
   const bessel::neighbours<T> k = bessel::orders(T(a - T(0.5)), t);
   const auto far = in_tail(a, t);
   return choose(
-      far, [&] { return tail(a, density(a, t, k), T(select(far, t, sqrt(a)))); },
+      far, [&] { return tail(a, density(a, k), T(select(far, t, sqrt(a)))); },
       [&] { return centre(a, T(select(far, T(T(0.1) * sqrt(a)), t)), k); });
 }
 

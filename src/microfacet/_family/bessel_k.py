@@ -29,7 +29,7 @@ TEXT = FamilyText(
     name="bessel_k",
     title="Bessel K",
     parameters={
-        "a": "Shape of the mixing distribution (dimensionless), in (0, 1000); 1 is K0.",
+        "a": "Shape of the mixing distribution (dimensionless), in (0, inf); 1 is K0.",
     },
     formulas={
         "D": (
@@ -87,7 +87,7 @@ class BesselK(StretchedDistribution):
     rotation : float
         Angle of the first axis from +x (radians, counter-clockwise).
     a : float
-        Shape of the mixing distribution, in (0, 1000); 1 is K0.
+        Shape of the mixing distribution, in (0, inf); 1 is K0.
 
     Raises
     ------

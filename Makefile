@@ -1,0 +1,110 @@
+# Every command of the project stands here once; nox, pre-commit and CI call these targets.
+# `make help` lists them. Needs Python >= 3.11, a C++20 compiler (g++ >= 11 or clang++ >= 14) and make.
+
+PYTHON  ?= python3
+VENV    ?= .venv
+WORKERS ?= auto
+BUILD   ?= build
+ifeq ($(origin CXX),default)
+  CXX := $(firstword $(foreach name,c++ g++ clang++,$(shell command -v $(name))))
+endif
+export CXX
+
+MAKEFLAGS += --no-print-directory
+SHELL     := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+
+CORE     := $(shell find include bindings -type f 2>/dev/null) CMakeLists.txt pyproject.toml
+PACKAGE  := $(CORE) $(wildcard README.md) $(shell find src -type f -not -name "*.so" -not -name "*.pyc")
+CXX_CODE := $(shell grep -rL --include='*.[ch]pp' 'do not edit by hand' include bindings tests/cpp examples)  # generated files aside
+CXX_BUILD := $(BUILD)/$(notdir $(CXX))
+CXX_TESTS := cmake -S . -G Ninja -DMICROFACET_BUILD_TESTS=ON
+
+##@ Use
+
+report: $(VENV)/.package  ## the report of all families and of a measured terrain; its last line is the path
+	$(BIN)/microfacet report --terrain --output report.html
+
+install: $(VENV)/.package  ## the package in a virtual environment, .venv
+
+##@ Develop
+
+test: $(VENV)/.package $(VENV)/.test test-cpp  ## C++ tests (CTest), then Python tests (pytest)
+	$(BIN)/python -m pytest -n $(WORKERS) tests
+
+test-cpp: $(VENV)/.build  ## the C++ tests alone (CXX chooses the compiler, here and below)
+	$(CXX_TESTS) -B "$(CXX_BUILD)"
+	cmake --build "$(CXX_BUILD)"
+	ctest --test-dir "$(CXX_BUILD)" --output-on-failure
+
+headers: $(VENV)/.build  ## each header compiles alone, with warnings as errors
+	$(CXX_TESTS) -B "$(CXX_BUILD)"
+	cmake --build "$(CXX_BUILD)" --target headers_alone
+
+sanitize: $(VENV)/.build  ## the C++ tests under the address and undefined-behaviour sanitizers
+	$(CXX_TESTS) -B "$(CXX_BUILD)-sanitize" -DMICROFACET_SANITIZE=ON
+	cmake --build "$(CXX_BUILD)-sanitize"
+	ctest --test-dir "$(CXX_BUILD)-sanitize" --output-on-failure
+
+lint: $(VENV)/.package $(VENV)/.lint  ## ruff, mypy --strict, clang-format: report only
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy --strict src/microfacet
+	$(BIN)/clang-format --dry-run -Werror $(CXX_CODE)
+
+format: $(VENV)/.lint  ## ruff and clang-format: mend what they can
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(BIN)/clang-format -i $(CXX_CODE)
+
+docs-accuracy: $(VENV)/.package $(VENV)/.test  ## measure the accuracy again and write docs/accuracy.md
+	$(BIN)/python tools/measure_accuracy.py
+
+clean:  ## remove all that make made
+	rm -rf "$(VENV)" "$(BUILD)" report.html .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+help:  ## this list
+	@awk 'BEGIN {FS = ":.*## "} /^##@/ {printf "\n%s\n", substr($$0, 5)} \
+	  /^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+
+# A list of requirements in pyproject.toml, by its keys, as a file for pip.
+requirements = <($(BIN)/python -c 'import functools, sys, tomllib; print(*functools.reduce(dict.get, \
+sys.argv[1:], tomllib.load(open("pyproject.toml", "rb"))), sep="\n")' $(1))
+
+# The virtual environment. Each stamp file is newer than what it was made from, so a second call does nothing.
+
+$(VENV)/.venv:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "microfacet needs Python 3.11 or newer; \
+	$(PYTHON) is " + sys.version.split()[0] + ". Choose another: make PYTHON=python3.11")'
+	@$(PYTHON) -m venv "$(VENV)" || { rm -rf "$(VENV)"; echo "$(PYTHON) cannot make a virtual environment: its module \
+	ensurepip is missing. Install it (Debian: apt install python3-venv), or choose another: make PYTHON=..." >&2; exit 1; }
+	$(PIP) install --upgrade 'pip>=25.1'
+	@touch $@
+
+$(VENV)/.build: pyproject.toml | $(VENV)/.venv
+	$(PIP) install cmake ninja -r $(call requirements,build-system requires)
+	@touch $@
+
+$(VENV)/.package: $(PACKAGE) | $(VENV)/.build
+	@command -v "$${CXX:-none}" >/dev/null || { echo "microfacet needs a C++20 compiler: \
+	install g++ (11 or newer) or clang++ (14 or newer)" >&2; exit 1; }
+	@echo "Building and installing microfacet in $(VENV) (some minutes the first time)"
+	$(PIP) install --no-build-isolation .
+	@touch $@
+
+$(VENV)/.test: pyproject.toml | $(VENV)/.venv
+	$(PIP) install --group test -r $(call requirements,project optional-dependencies surface)
+	@touch $@
+
+$(VENV)/.lint: pyproject.toml | $(VENV)/.venv
+	$(PIP) install --group lint
+	@touch $@
+
+.PHONY: report install test test-cpp sanitize headers lint format docs-accuracy clean help

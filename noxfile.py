@@ -1,0 +1,16 @@
+"""`nox -s NAME` runs `make NAME`: the Makefile is the one place where a command is written."""
+
+import nox
+
+nox.options.default_venv_backend = "none"  # make keeps the virtual environment
+nox.options.sessions = ["lint", "test"]
+
+
+def delegate(target: str) -> None:
+    @nox.session(name=target)
+    def run(session: nox.Session) -> None:
+        session.run("make", target, *session.posargs, external=True)
+
+
+for target in ("report", "lint", "format", "headers", "sanitize", "test", "docs-accuracy"):
+    delegate(target)

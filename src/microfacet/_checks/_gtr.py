@@ -1,0 +1,296 @@
+"""GTR: the checks of its notebook, and beyond it Lambda, sigma and sampling at any gamma.
+
+The notebook's general forms divide 0 by 0 at gamma = 1, at half-integer and integer gamma and at alpha = 1.
+There they stand for their limits, read off 1e-20 beside the point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+from typing import Any
+
+import numpy as np
+from mpmath import mp
+
+from microfacet._checks import _closed as closed
+from microfacet._checks import _ggx as ggx
+from microfacet._checks import _integrals as integrals
+from microfacet._checks import _routes as routes
+from microfacet._checks._check import CLOSED_FORM, QUADRATURE, Check, Sides, both, notebook
+from microfacet._checks._routes import Array
+
+FAMILY = "gtr"
+GRID = tuple(
+    {"alpha": alpha, "gamma": gamma}
+    for alpha, gamma in product(
+        (1e-4, 0.1, 0.6, 1.0, 1 + 1e-9, 10.0), (0.25, 1.0, 1 + 1e-10, 1.3, 1.5, 2.0, 2.5, 3.0, 6.3, 15.0)
+    )
+)
+ENTRY: dict[str, Any] = {"parameters": {"alpha": 0.1, "gamma": 1.7}, "source": notebook("GTR")}
+BEYOND: dict[str, Any] = {**ENTRY, "notebook": False}
+AT_1: dict[str, Any] = {**ENTRY, "parameters": {"alpha": 0.1, "gamma": 1.0}, "fixed": frozenset({"gamma"})}
+AT_3_2: dict[str, Any] = {**ENTRY, "parameters": {"alpha": 0.1, "gamma": 1.5}, "fixed": frozenset({"gamma"})}
+
+
+def as_limit(form: Callable[..., Any]) -> Callable[..., Any]:
+    """`form(point, alpha, gamma)`, moved aside where it is 0/0 (see the module)."""
+
+    def moved(point: Any, alpha: Any, gamma: Any) -> Any:
+        aside = mp.mpf(10) ** -20
+        return form(
+            point,
+            alpha + aside if alpha == 1 else alpha,
+            gamma + aside if mp.isint(2 * gamma) else gamma,
+        )
+
+    return moved
+
+
+def D(u: Any, alpha: Any, gamma: Any) -> Any:
+    norm = alpha ** (2 * gamma) * (alpha**2 - 1) * (gamma - 1) / (mp.pi * (alpha ** (2 * gamma) - alpha**2))
+    return norm * (1 + u**2 * (alpha**2 - 1)) ** -gamma
+
+
+def D_1(u: Any, alpha: Any, gamma: Any) -> Any:
+    return (alpha**2 - 1) / (2 * mp.pi * (1 + u**2 * (alpha**2 - 1)) * mp.log(alpha))
+
+
+def D_3_2(u: Any, alpha: Any, gamma: Any) -> Any:
+    return alpha * (1 + alpha) / (2 * mp.pi * mp.sqrt(1 + u**2 * (alpha**2 - 1)) ** 3)
+
+
+def P22(r2: Any, alpha: Any, gamma: Any) -> Any:
+    norm = alpha ** (2 * gamma) * (alpha**2 - 1) * (gamma - 1) / (mp.pi * (alpha ** (2 * gamma) - alpha**2))
+    return norm * (1 + r2) ** (gamma - 2) * (r2 + alpha**2) ** -gamma
+
+
+def P22_1(r2: Any, alpha: Any, gamma: Any) -> Any:
+    return (alpha**2 - 1) / (2 * mp.pi * mp.log(alpha) * (1 + r2) * (r2 + alpha**2))
+
+
+def P22_3_2(r2: Any, alpha: Any, gamma: Any) -> Any:
+    return alpha * (1 + alpha) / (2 * mp.pi * mp.sqrt(1 + r2) * mp.sqrt(r2 + alpha**2) ** 3)
+
+
+def P2(p: Any, alpha: Any, gamma: Any) -> Any:
+    """The notebook's form: two hypergeometric functions beyond their branch point, of which the real part."""
+    half, A, B, power = mp.mpf(1) / 2, p**2 + alpha**2, p**2 + 1, alpha ** (2 * gamma)
+    z, c = B / A, alpha**2 - 1
+    first = 2 * A * (gamma - 2) * mp.hyp2f1(-half, 2 - gamma, 5 * half - gamma, z)
+    first -= c * (2 * gamma - 3) * mp.hyp2f1(half, 2 - gamma, 5 * half - gamma, z)
+    first *= -mp.gamma(gamma - 3 * half) / (c * mp.sqrt(A) ** 3 * mp.gamma(gamma))
+    second = 2 * B ** (gamma - 3 * half) * A**-gamma * mp.gamma(3 * half - gamma) * mp.rgamma(2 - gamma)
+    second *= mp.hyp2f1(half, gamma, gamma - half, z)
+    return power * c * (gamma - 1) / (2 * mp.sqrt(mp.pi) * (power - alpha**2)) * mp.re(first + second)
+
+
+def P2_1(p: Any, alpha: Any, gamma: Any) -> Any:
+    return (1 / mp.sqrt(1 + p**2) - 1 / mp.sqrt(p**2 + alpha**2)) / mp.log(alpha**2)
+
+
+def P2_3_2(p: Any, alpha: Any, gamma: Any) -> Any:
+    A = p**2 + alpha**2
+    m = (alpha**2 - 1) / A
+    return alpha * (mp.ellipk(m) - mp.ellipe(m)) / (mp.pi * (alpha - 1) * mp.sqrt(A))
+
+
+def lambda_1(u: Any, alpha: Any, gamma: Any) -> Any:
+    Q = mp.sqrt(1 + (1 / u**2 - 1) * alpha**2)
+    return (-1 + u * Q + u * mp.log(1 + 1 / u) - u * mp.log(1 + Q)) / (2 * u * mp.log(alpha))
+
+
+def sigma_1(u: Any, alpha: Any, gamma: Any) -> Any:
+    s, R = mp.sqrt(1 - u**2), mp.sqrt(u**2 + alpha**2 - u**2 * alpha**2)
+    logs = u * mp.asinh(u / s) + 2 * u * mp.log(alpha) - u * mp.log((u + R) / s)
+    return (R - 1 + logs) / (2 * mp.log(alpha))
+
+
+def survival(r: Any, alpha: Any, gamma: Any) -> Any:
+    ratio = ((1 + r**2) / (alpha**2 + r**2)) ** (gamma - 1)
+    return (ratio - 1) / (alpha ** (2 - 2 * gamma) - 1)
+
+
+def _draw(rng: np.random.Generator, n: int, alpha: float, gamma: float) -> Array:
+    xi = rng.random(n)
+    if alpha == 1:
+        return np.sqrt(xi)
+    log = xi * 2 * np.log(alpha)
+    if gamma != 1:
+        log = np.log1p(xi * np.expm1((2 - 2 * gamma) * np.log(alpha))) / (1 - gamma)
+    return np.asarray(np.sqrt(np.expm1(log) / np.expm1(2 * np.log(alpha))))
+
+
+def _special_D(form: Callable[..., Any]) -> Callable[..., Sides]:
+    def sides(k: Any, *parameters: float) -> Sides:
+        u = routes.cosine(routes.slopes(parameters[0]))
+        library = k.D(u, *parameters)
+        return both(
+            (library, routes.exact(as_limit(form), u, *parameters)),
+            (library, routes.exact(as_limit(D), u, *parameters)),
+        )
+
+    return sides
+
+
+def _lambda_1(k: Any, *parameters: float) -> Sides:
+    u = routes.incident_cosines(parameters[0])
+    mu = 1 / routes.slope_of(u)
+    return both(
+        (k.Lambda(u, *parameters), routes.exact(as_limit(lambda_1), u, *parameters)),
+        (k.Lambda(u, *parameters), routes.mean_excess(k, mu, *parameters) / mu),
+    )
+
+
+def _sigma_1(k: Any, *parameters: float) -> Sides:
+    u = routes.incident_cosines(parameters[0])
+    slope = routes.slope_of(u)
+    below = u * slope * routes.mean_excess(k, 1 / slope, *parameters)
+    both_ways = np.concatenate([u, -u])
+    return both(
+        (k.sigma(both_ways, *parameters), routes.exact(as_limit(sigma_1), both_ways, *parameters)),
+        (k.sigma(both_ways, *parameters), np.concatenate([u + below, below])),
+    )
+
+
+def _ggx_mixture(k: Any, alpha: float, gamma: float) -> Sides:
+    """The weight w is Beta(gamma, 2 - gamma); its logit y keeps both ends."""
+    r = routes.slopes(alpha)
+    norm = routes.exact(lambda one, a, g: mp.pi * as_limit(P22)(0, a, g) * a ** (2 * g), [1.0], alpha, gamma)[
+        0
+    ]
+    norm *= float(mp.rgamma(gamma) * mp.rgamma(2 - gamma))
+
+    def integrand(y: Array, r: Array) -> Array:
+        log_w, log_rest = -np.logaddexp(0.0, -y), -np.logaddexp(0.0, y)
+        alpha2 = np.exp(log_w) * alpha**2 + np.exp(log_rest)
+        density = norm * np.exp(gamma * log_w + (2 - gamma) * log_rest) / alpha2
+        return np.asarray(density * routes.kernels("ggx").P22(r, 0.0, np.sqrt(alpha2)), dtype=np.float64)
+
+    reach = 40 / min(gamma, 2 - gamma) + 2 * abs(np.log(alpha))
+    return k.P22(r, 0.0, alpha, gamma), routes.integrate_exponent(integrand, -reach, reach, r)
+
+
+def _ggx(k: Any, alpha: float, gamma: float) -> Sides:
+    return closed.special_case(lambda name: lambda at, alpha: getattr(k, name)(at, alpha, gamma), alpha, ggx)
+
+
+def _mixture_range(alpha: float, gamma: float) -> str:
+    if gamma >= 2:
+        return "the mixing density Beta(gamma, 2 - gamma) exists for 0 < gamma < 2"
+    return "" if 0.05 <= gamma <= 1.95 else "the mixing density is all but a point mass"
+
+
+CHECKS: tuple[Check, ...] = (
+    Check(
+        "gamma_1",
+        "At gamma = 1 the general form of D has a limit with a logarithm",
+        r"D(u; \alpha, 1) = \frac{\alpha^2-1}{2\pi\,(1+u^2(\alpha^2-1))\,\ln\alpha}",
+        _special_D(D_1),
+        CLOSED_FORM,
+        **AT_1,
+    ),
+    Check(
+        "gamma_3_2",
+        "At gamma = 3/2 D has the form of the Henyey-Greenstein phase function",
+        r"D(u; \alpha, \tfrac32) = \frac{\alpha(1+\alpha)}{2\pi\,(1+u^2(\alpha^2-1))^{3/2}}",
+        _special_D(D_3_2),
+        CLOSED_FORM,
+        **AT_3_2,
+    ),
+    integrals.normalization(**ENTRY),
+    closed.slopes_from_D(
+        as_limit(P22),
+        r"P_{22}(p, q) = D(u)\,u^4 = \frac{\alpha^{2\gamma}(\alpha^2-1)(\gamma-1)}"
+        r"{\pi(\alpha^{2\gamma}-\alpha^2)}\,\frac{(1+p^2+q^2)^{\gamma-2}}{(p^2+q^2+\alpha^2)^{\gamma}}",
+        **ENTRY,
+    ),
+    closed.slopes_from_D(
+        as_limit(P22_1),
+        r"P_{22}(p, q) = \frac{\alpha^2-1}{2\pi\ln\alpha\,(1+p^2+q^2)(p^2+q^2+\alpha^2)}, \quad \gamma = 1",
+        name="slopes_gamma_1",
+        **AT_1,
+    ),
+    closed.slopes_from_D(
+        P22_3_2,
+        r"P_{22}(p, q) = \frac{\alpha(1+\alpha)}{2\pi\sqrt{1+p^2+q^2}\,(p^2+q^2+\alpha^2)^{3/2}},"
+        r"\quad \gamma = \tfrac32",
+        name="slopes_gamma_3_2",
+        **AT_3_2,
+    ),
+    integrals.slopes_normalized(**ENTRY),
+    integrals.marginal(
+        as_limit(P2),
+        r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq = D(0)\,\frac{\pi}{2}\,(p^2+\alpha^2)^{-3/2}\,"
+        r"{}_2F_1\Big(\tfrac32, 2-\gamma; 2; \tfrac{\alpha^2-1}{p^2+\alpha^2}\Big)",
+        **ENTRY,
+    ),
+    integrals.marginal(
+        as_limit(P2_1),
+        r"P_2(p) = \frac{1}{\ln\alpha^2}\left(\frac{1}{\sqrt{1+p^2}} - \frac{1}{\sqrt{p^2+\alpha^2}}\right),"
+        r"\quad \gamma = 1",
+        name="marginal_gamma_1",
+        **AT_1,
+    ),
+    integrals.marginal(
+        as_limit(P2_3_2),
+        r"P_2(p) = \frac{\alpha\,(K(m)-E(m))}{\pi(\alpha-1)\sqrt{p^2+\alpha^2}},"
+        r"\quad m = \frac{\alpha^2-1}{p^2+\alpha^2}, \quad \gamma = \tfrac32",
+        name="marginal_gamma_3_2",
+        **AT_3_2,
+    ),
+    Check(
+        "lambda_gamma_1",
+        "Lambda at gamma = 1 is the printed form, and follows from the density of one slope",
+        r"\Lambda(u) = \frac{-1 + uQ + u\ln(1+\frac1u) - u\ln(1+Q)}{2u\ln\alpha},"
+        r"\quad Q = \sqrt{1+(u^{-2}-1)\alpha^2}",
+        _lambda_1,
+        QUADRATURE,
+        **AT_1,
+    ),
+    Check(
+        "sigma_gamma_1",
+        "sigma at gamma = 1 is the printed form on both sides of the horizon, and follows from P2",
+        r"\sigma(u) = \frac{-1 + R + u\,\mathrm{arsinh}\frac{u}{s} + 2u\ln\alpha - u\ln\frac{u+R}{s}}"
+        r"{2\ln\alpha}, \quad s = \sqrt{1-u^2}, \quad R = \sqrt{u^2+\alpha^2 s^2}",
+        _sigma_1,
+        QUADRATURE,
+        **AT_1,
+    ),
+    integrals.sigma_delta(**AT_1),
+    integrals.lambda_from_marginal(name="lambda", **BEYOND),
+    integrals.sigma_delta(name="sigma_delta_general", **BEYOND),
+    integrals.sampling(
+        _draw,
+        r"u^2 = \frac{\big(1+\xi(\alpha^{2-2\gamma}-1)\big)^{1/(1-\gamma)} - 1}{\alpha^2-1}",
+        **{**BEYOND, "parameters": {"alpha": 0.3, "gamma": 1.7}},
+    ),
+    integrals.survival(
+        as_limit(survival),
+        r"\Pr(\tan\theta > r) = \frac{1}{\alpha^{2-2\gamma} - 1}"
+        r"\left(\Big(\frac{1+r^2}{\alpha^2+r^2}\Big)^{\gamma-1} - 1\right)",
+        **ENTRY,
+    ),
+    Check(
+        "ggx_mixture",
+        "For 0 < gamma < 2 GTR is a mixture of GGX of roughness sqrt(w alpha^2 + 1 - w), w by a Beta density",
+        r"P_{22}(r) = \int_0^1 \frac{\pi D(0)\,w^{\gamma-1}(1-w)^{1-\gamma}}"
+        r"{\Gamma(\gamma)\,\Gamma(2-\gamma)\,\alpha_g^2}\,"
+        r"P_{22}^{\mathrm{GGX}}(r; \alpha_g)\,dw, \quad \alpha_g^2 = w\alpha^2 + 1 - w",
+        _ggx_mixture,
+        QUADRATURE,
+        unless=_mixture_range,
+        **BEYOND,
+    ),
+    Check(
+        "ggx",
+        "GTR at gamma = 2 is GGX: D, P2, Lambda and sigma",
+        r"D(u; \alpha, \gamma = 2) = D_{\mathrm{GGX}}(u; \alpha)",
+        _ggx,
+        CLOSED_FORM,
+        parameters={"alpha": 0.1, "gamma": 2.0},
+        fixed=frozenset({"gamma"}),
+        source="Burley 2012",
+        notebook=False,
+    ),
+)

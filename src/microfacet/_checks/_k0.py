@@ -1,0 +1,131 @@
+"""K0: the checks of its notebook. The printed forms (mpmath arguments) come first, then the table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from mpmath import mp
+
+from microfacet._checks import _closed as closed
+from microfacet._checks import _integrals as integrals
+from microfacet._checks import _routes as routes
+from microfacet._checks._check import CLOSED_FORM, QUADRATURE, Check, Sides, both, notebook
+from microfacet._checks._routes import Array
+
+FAMILY = "k0"
+GRID = tuple({"alpha": alpha} for alpha in (1e-4, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0))
+ENTRY: dict[str, Any] = {"parameters": {"alpha": 0.8}, "source": notebook("K0")}
+
+
+def lambda_of_x(x: Any) -> Any:
+    return mp.exp(-2 * x) / (4 * x)
+
+
+def lambda_of_u(u: Any, alpha: Any) -> Any:
+    return lambda_of_x(u / (alpha * mp.sqrt((1 - u) * (1 + u))))
+
+
+def sigma(u: Any, alpha: Any) -> Any:
+    """Both branches."""
+    if u > 0:
+        return u * (1 + lambda_of_u(u, alpha))
+    scale = alpha * mp.sqrt((1 - u) * (1 + u))
+    return scale / 4 * mp.exp(2 * u / scale)
+
+
+def P22(r2: Any, alpha: Any) -> Any:
+    return 2 * mp.besselk(0, 2 * mp.sqrt(r2) / alpha) / (mp.pi * alpha**2)
+
+
+def P2(p: Any, alpha: Any) -> Any:
+    return mp.exp(-2 * abs(p) / alpha) / alpha
+
+
+def survival(r: Any, alpha: Any) -> Any:
+    return 2 * r / alpha * mp.besselk(1, 2 * r / alpha)
+
+
+def within(r: Any, alpha: Any) -> Any:
+    return 1 - survival(r, alpha)
+
+
+def _draw(rng: np.random.Generator, n: int, alpha: float) -> Array:
+    logs = np.log(1 - rng.random(n)) * np.log(1 - rng.random(n))
+    return np.asarray(1 / np.sqrt(1 + alpha**2 * logs))
+
+
+def _beckmann_mixture(k: Any, alpha: float) -> Sides:
+    u = routes.cosine(routes.slopes(alpha))
+    return k.D(u, alpha), routes.gamma_average(
+        lambda m, u: routes.kernels("beckmann").D(u, alpha * np.sqrt(m)), 1.0, u
+    )
+
+
+def _singular(k: Any, alpha: float) -> Sides:
+    """With y = tan(theta)/alpha -> 0: K_0(2y) = -(log y + gamma_E)(1 + y^2) + y^2 + O(y^4 log y)."""
+    u = 1 - alpha**2 * 2.0 ** -np.arange(24.0, 44.0, 4.0)
+    u = np.minimum(u, 1 - 2.0**-52)
+    y = routes.slope_of(u) / alpha
+    law = -(np.log(y) + np.euler_gamma) * (1 + y**2) + y**2
+    scale = np.pi * alpha**2
+    return both(
+        (scale / 2 * u**4 * k.D(u, alpha), law),
+        ([1 / k.D(1.0, alpha)], [0.0]),
+        ([scale * routes.kernels("beckmann").D(1.0, alpha)], [1.0]),
+    )
+
+
+CHECKS: tuple[Check, ...] = (
+    *closed.projected_area(sigma, lambda_of_u, **ENTRY),
+    closed.lambda_of_x(
+        lambda_of_x,
+        "Lambda depends on x = cot(theta)/alpha alone and is exp(-2x)/(4x)",
+        r"\Lambda = \frac{e^{-2x}}{4x}",
+        **ENTRY,
+    ),
+    Check(
+        "beckmann_mixture",
+        "K0 is Beckmann of roughness alpha sqrt(m), averaged over m with density exp(-m)",
+        r"D(u) = \int_0^\infty e^{-m}\,D_{\mathrm{Beckmann}}(u; \alpha\sqrt{m})\,dm",
+        _beckmann_mixture,
+        QUADRATURE,
+        **ENTRY,
+    ),
+    Check(
+        "singular_at_normal",
+        "D grows like -log(tan(theta)/alpha) towards the normal, where Beckmann's ends at 1/(pi alpha^2)",
+        r"\frac{\pi\alpha^2}{2}\,u^4 D(u) = -\ln\frac{\tan\theta}{\alpha} - \gamma_E + o(1) \to \infty,"
+        r"\quad \pi\alpha^2 D_{\mathrm{Beckmann}}(1) = 1",
+        _singular,
+        CLOSED_FORM,
+        **{**ENTRY, "parameters": {"alpha": 0.5}},
+    ),
+    closed.shape_invariant(
+        lambda x: 2 * mp.besselk(0, 2 * x) / mp.pi,
+        "alpha^2 u^4 D depends on x = tan(theta)/alpha alone and is 2 K_0(2x)/pi",
+        r"\alpha^2 u^4 D(u) = f(x) = \frac{2 K_0(2x)}{\pi}",
+        **ENTRY,
+    ),
+    integrals.normalization(within, **{**ENTRY, "parameters": {"alpha": 0.6}}),
+    closed.slopes_from_D(
+        P22,
+        r"P_{22}(p, q) = D(u)\,u^4 = \frac{2}{\pi\alpha^2} K_0\Big(\frac{2\sqrt{p^2+q^2}}{\alpha}\Big)",
+        **ENTRY,
+    ),
+    integrals.slopes_normalized(within, **ENTRY),
+    integrals.sigma_delta(within, **ENTRY),
+    integrals.sampling(
+        _draw,
+        r"u = \frac{1}{\sqrt{1 + \alpha^2 \ln\xi_1 \ln\xi_2}}",
+        within,
+        **{**ENTRY, "parameters": {"alpha": 1.7}},
+    ),
+    integrals.marginal(
+        P2,
+        r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq = \frac{e^{-2|p|/\alpha}}{\alpha}",
+        notebook=False,
+        **ENTRY,
+    ),
+    integrals.survival(survival, r"\Pr(\tan\theta > r) = 2y K_1(2y), \quad y = r/\alpha", **ENTRY),
+)

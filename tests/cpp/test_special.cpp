@@ -1,0 +1,73 @@
+// The special functions against the table of tools/tabulate_special.py, in double and float.
+
+#include "check.hpp"
+#include "microfacet/special/bessel.hpp"
+#include "microfacet/special/erf.hpp"
+#include "microfacet/special/gamma.hpp"
+#include "microfacet/special/student.hpp"
+#include "special_values.hpp"
+
+namespace {
+
+namespace mf = microfacet;
+
+// Errors in units of the precision. What climbs a recurrence or takes the exponential of a logarithm loses
+// more.
+constexpr double few = 40, many = 400;
+
+template <class T, class Function>
+void compare(const char* name, double roundings, const std::vector<special_values::row>& table,
+             const Function& f) {
+  CHECK(!table.empty());
+  for (const auto& [a, b, value] : table) {
+    if (sizeof(T) == 4 && (value < 1e-36 || value > 1e37)) continue;
+    const check::note at(name, sizeof(T) == 8 ? ", double (" : ", float (", a, ", ", b, ")");
+    CHECK_NEAR(f(static_cast<T>(a), static_cast<T>(b)), value, roundings * std::numeric_limits<T>::epsilon());
+  }
+}
+
+#define COMPARE(name, roundings, ...) compare<T>(#name, roundings, special_values::name, __VA_ARGS__)
+
+template <class T>
+void error_functions() {
+  COMPARE(erfc_scaled, few, [](T x, T) { return mf::erfc_scaled(x); });
+  COMPARE(ierfc_scaled, few, [](T x, T) { return mf::ierfc_scaled(x); });
+}
+
+template <class T>
+void gamma_functions() {
+  COMPARE(reciprocal_gamma, few, [](T mu, T) {
+    const mf::reciprocal_gamma<T> rg(mu);
+    return rg.even + mu * rg.odd;
+  });
+  COMPARE(gamma_half_step, few, [](T k, T) { return mf::gamma_half_step(k); });
+  COMPARE(beta_one_plus, many, [](T a, T b) { return mf::beta_one_plus(a, b); });
+  for (const auto& [x, _, value] : special_values::log_gamma) {
+    const check::note at("x = ", x);  // 0 at 1 and 2: the error is absolute there
+    const auto got = static_cast<double>(mf::log_gamma(static_cast<T>(x)));
+    CHECK(std::abs(got - value) <= few * std::numeric_limits<T>::epsilon() * std::max(1.0, std::abs(value)));
+  }
+}
+
+template <class T>
+void bessel_functions() {
+  using mf::bessel::orders;
+  COMPARE(bessel_below, few, [](T nu, T y) { return orders(nu, y).below; });
+  COMPARE(bessel_at, few, [](T nu, T y) { return orders(nu, y).at; });
+  COMPARE(bessel_above, few, [](T nu, T y) { return orders(nu, y).above; });
+  COMPARE(bessel_complement_above, many, [](T nu, T y) { return orders(nu, y).complement_above; });
+}
+
+template <class T>
+void student_functions() {
+  COMPARE(student_tail, few, [](T k, T t) { return mf::student::tail_over_density(k, t); });
+  COMPARE(student_centre, few, [](T k, T t) { return mf::student::centre_over_density(k, t); });
+  COMPARE(student_excess, few, [](T k, T t) { return mf::student::excess_over_density(k, t); });
+}
+
+}  // namespace
+
+TEST(error_functions) { error_functions<double>(), error_functions<float>(); }
+TEST(gamma_functions) { gamma_functions<double>(), gamma_functions<float>(); }
+TEST(bessel_functions) { bessel_functions<double>(), bessel_functions<float>(); }
+TEST(student_functions) { student_functions<double>(), student_functions<float>(); }

@@ -1,0 +1,22 @@
+"""The examples run, from another folder, and print what they announce."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "examples" / "python"
+
+
+@pytest.mark.parametrize(
+    ("name", "announced"), [("compare_families.py", "Student-T"), ("fit_surface.py", "nats per slope")]
+)
+def test_example_runs(name: str, announced: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / name)], cwd=tmp_path, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert announced in done.stdout

@@ -1,0 +1,312 @@
+"""Files that lie, break off, or are no height maps: one sentence, little memory, little time."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import pickle
+import struct
+import subprocess
+import sys
+import textwrap
+import zipfile
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import microfacet as mf
+
+HEIGHTS = np.random.default_rng(0).normal(size=(6, 7))
+
+
+def npy(array, **options):
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, np.asanyarray(array), **options)
+    return stream.getvalue()
+
+
+def npz(**arrays):
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)
+    return stream.getvalue()
+
+
+def npy_header(description, data=b"", version=b"\x01\x00"):
+    """A .npy file with any header."""
+    text = description.encode("latin1")
+    size = struct.pack("<H" if version == b"\x01\x00" else "<I", len(text))
+    return b"\x93NUMPY" + version + size + text + data
+
+
+def claim(shape, dtype="<f8"):
+    return npy_header(f"{{'descr': {dtype!r}, 'fortran_order': False, 'shape': {shape!r}}}", b"\0" * 64)
+
+
+def archive(members, compression=zipfile.ZIP_STORED):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", compression) as file:
+        for name, content in members.items():
+            file.writestr(name, content)
+    return stream.getvalue()
+
+
+def bomb(name, megabytes):
+    """A zip file of one member that does unpack to so many megabytes of zeros, built without packing them."""
+    packer = zlib.compressobj(9, zlib.DEFLATED, -15)
+    block = packer.compress(bytes(2**20)) + packer.flush(zlib.Z_FULL_FLUSH)
+    packed = block * megabytes + zlib.compressobj(9, zlib.DEFLATED, -15).flush()
+    data = bytearray(archive({name: packed}))
+    directory = data.rindex(b"PK\x01\x02")
+    for method, size in ((8, 22), (directory + 10, directory + 24)):
+        struct.pack_into("<H", data, method, zipfile.ZIP_DEFLATED)
+        struct.pack_into("<I", data, size, megabytes * 2**20)
+    return bytes(data)
+
+
+def understated(size):
+    """An archive whose directory understates what its member unpacks to."""
+    data = bytearray(npz(heights=HEIGHTS, pixel_size=1.0))
+    struct.pack_into("<I", data, data.index(b"PK\x01\x02") + 24, size)
+    return bytes(data)
+
+
+class Trap:
+    """Unpickling this would run a command."""
+
+    def __reduce__(self):
+        return os.system, ("echo trapped > trapped",)
+
+
+NPY = {
+    "empty": (b"", "empty"),
+    "wrong magic": (b"GIF89a" + bytes(100), "cannot be read"),
+    "magic alone": (b"\x93NUMPY", "cannot be read"),
+    "unknown version": (npy_header("{}", version=b"\x09\x00"), "version"),
+    "header cut": (npy(HEIGHTS)[:40], "cannot be read"),
+    "data cut": (npy(HEIGHTS)[:-8], "only 328 are there"),
+    "header is code": (npy_header("__import__('os').getcwd()"), "cannot be read"),
+    "header is deep": (npy_header("(" * 9000 + ")" * 9000), "cannot be read"),
+    "header claims 4 GB": (
+        npy_header("{'descr': '<f8'}", version=b"\x02\x00")[:8] + b"\xff\xff\xff\xff{",
+        "cannot be read",
+    ),
+    "claims 1e12 elements": (claim((10**6, 10**6)), "limit"),
+    "claims 1e40 elements": (claim((10**20, 10**20)), "limit"),
+    "claims what is not there": (claim((1000, 1000)), "only 64 are there"),
+    "negative shape": (claim((-3, -3)), "shape"),
+    "shape is no tuple": (claim(9), "cannot be read"),
+    "huge items": (claim((3, 3), "V2000000000"), "not numbers"),
+    "objects": (npy(np.array([[1, 2], [3, None]], dtype=object), allow_pickle=True), "pickle"),
+    "pickle": (pickle.dumps(Trap()), "cannot be read"),
+    "array of traps": (npy(np.array([[Trap()] * 3] * 3), allow_pickle=True), "pickle"),
+    "one-dimensional": (npy(np.arange(30.0)), "2-D"),
+    "three-dimensional": (npy(np.zeros((3, 4, 5))), "2-D"),
+    "one line": (npy(np.arange(30.0)[np.newaxis]), "at least 3 x 3"),
+    "complex": (npy(HEIGHTS + 1j), "real numbers"),
+    "bool": (npy(HEIGHTS > 0), "real numbers"),
+    "text": (npy(np.full((4, 4), "high")), "real numbers"),
+    "structured": (npy(np.zeros((4, 4), dtype="f8,f8")), "not numbers"),
+    "all nan": (npy(np.full((5, 5), np.nan)), "0 valid pixels"),
+    "nearly all inf": (npy(np.where(np.arange(25).reshape(5, 5) < 4, 1.0, np.inf)), "4 valid pixels"),
+    "constant": (npy(np.full((5, 5), 3.0)), "all heights are equal"),
+}
+NPZ = {
+    "empty": (b"", "empty"),
+    "not a zip": (npy(HEIGHTS), "cannot be read"),
+    "cut": (npz(heights=HEIGHTS, pixel_size=1.0)[:-30], "cannot be read"),
+    "no members": (archive({}), "found: nothing"),
+    "no heights": (npz(depth=HEIGHTS, width=HEIGHTS, pixel_size=1.0), "found: depth, pixel_size, width"),
+    "no pixel size": (npz(heights=HEIGHTS), "pixel_size"),
+    "half a pixel size": (npz(heights=HEIGHTS, dx=1.0), "pixel_size"),
+    "zero pixel size": (npz(heights=HEIGHTS, pixel_size=0.0), "pixel_size"),
+    "negative pixel size": (npz(heights=HEIGHTS, dx=1.0, dy=-1.0), "pixel_size"),
+    "nan pixel size": (npz(heights=HEIGHTS, pixel_size=[1.0, np.nan]), "pixel_size"),
+    "text for a pixel size": (npz(heights=HEIGHTS, pixel_size="wide"), "pixel_size"),
+    "complex pixel size": (npz(heights=HEIGHTS, pixel_size=1j), "pixel_size"),
+    "unknown unit": (npz(heights=HEIGHTS, pixel_size=1.0, unit="furlong"), "'furlong'"),
+    "unit is a number": (npz(heights=HEIGHTS, pixel_size=1.0, unit=3), "'3'"),
+    "wrong mask": (npz(heights=HEIGHTS, pixel_size=1.0, mask=np.ones((2, 2), bool)), "mask"),
+    "all masked": (npz(heights=HEIGHTS, pixel_size=1.0, mask=np.zeros((6, 7), bool)), "0 valid"),
+    "objects": (archive({"heights.npy": NPY["array of traps"][0]}), "pickle"),
+    "member claims 1e12": (archive({"heights.npy": claim((10**6, 10**6))}), "limit"),
+    "member claims 512 MB": (archive({"heights.npy": claim((8192, 8192))}), "only 64 are there"),
+    "size understated": (understated(200), "cannot be read"),
+    "other compression": (archive({"heights.npy": npy(HEIGHTS)}, zipfile.ZIP_LZMA), "by method 14"),
+    "bomb": (bomb("heights.npy", 2000), "unpacks to 1 members of 2097152000 bytes"),
+    "many members": (archive({f"{i}.npy": b"" for i in range(10001)}), "10001 members"),
+}  # fmt: skip
+
+
+def check_refused(file, message, **options):
+    with pytest.raises(mf.SurfaceError, match=message) as caught:
+        mf.read_surface(file, **options)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 400 + len(str(file))
+    assert not os.path.exists("trapped")
+
+
+@pytest.mark.parametrize("case", NPY)
+def test_npy(tmp_path, monkeypatch, case):
+    content, message = NPY[case]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "map.npy").write_bytes(content)
+    check_refused("map.npy", message, pixel_size=1e-6)
+    if content.startswith(b"\x93NUMPY"):  # whatever the file is called
+        (tmp_path / "map.dat").write_bytes(content)
+        check_refused("map.dat", message, pixel_size=1e-6)
+
+
+@pytest.mark.parametrize("case", NPZ)
+def test_npz(tmp_path, monkeypatch, case):
+    content, message = NPZ[case]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "map.npz").write_bytes(content)
+    check_refused("map.npz", message)
+
+
+def test_not_a_file(tmp_path):
+    check_refused(tmp_path / "nothing.npy", "no such file")
+    check_refused(tmp_path, "folder")
+    check_refused("map\0.npy", "cannot be read")
+    check_refused("x" * 5000, "cannot be read")
+    os.mkfifo(tmp_path / "pipe.npy")  # to open it would wait for ever
+    check_refused(tmp_path / "pipe.npy", "not a file")
+    check_refused("/dev/zero", "not a file")
+
+
+def test_too_large_a_file_is_not_opened(tmp_path):
+    with (tmp_path / "map.npy").open("wb") as file:
+        file.truncate(2**30 + 1)  # a hole, no disk space
+    check_refused(tmp_path / "map.npy", "the limit is 1073741824")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "give pixel_size"),
+        ({"pixel_size": 0}, "pixel_size"),
+        ({"pixel_size": 1.0, "channel": 1}, "channel 1"),
+        ({"pixel_size": 1.0, "unit": "inch"}, "unit must be one of km, m"),
+    ],
+)
+def test_options_that_do_not_fit(tmp_path, options, message):
+    (tmp_path / "map.npy").write_bytes(npy(HEIGHTS))
+    check_refused(tmp_path / "map.npy", message, **options)
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+@pytest.mark.parametrize("kind", ["npy", "npz", "stored"])
+def test_damaged_files_are_read_or_refused(tmp_path, kind, data):
+    """Bytes changed, bytes lost: a surface or a `SurfaceError`, and no warning (they are errors here)."""
+    arrays = {"heights": HEIGHTS, "pixel_size": 1e-6, "unit": "um"}
+    valid = {
+        "npy": npy(HEIGHTS),
+        "npz": npz(**arrays),
+        "stored": archive({f"{name}.npy": npy(array) for name, array in arrays.items()}),
+    }[kind]
+    content = bytearray(valid)
+    place = st.integers(0, len(valid) - 1)
+    for position, value in data.draw(st.lists(st.tuples(place, st.integers(0, 255)), max_size=8)):
+        content[position] = value
+    content = content[: data.draw(st.one_of(st.just(len(valid)), place))]
+    file = tmp_path / ("map.npy" if kind == "npy" else "map.npz")
+    file.write_bytes(bytes(content))
+    with contextlib.suppress(mf.SurfaceError):
+        surface = mf.read_surface(file, pixel_size=1e-6)
+        assert np.isfinite(surface.heights[surface.mask]).all()
+
+
+def test_the_worst_ones_take_little_memory(tmp_path):
+    """In a process that may use no more than 1 GiB of address space, the interpreter's own included."""
+    worst = {
+        "claim.npy": NPY["claims 1e12 elements"][0],
+        "header.npy": NPY["header claims 4 GB"][0],
+        "bomb.npz": bomb("heights.npy", 2000),
+        "bomb_below_the_limit.npz": bomb("heights.npy", 1000),
+        "member.npz": NPZ["member claims 512 MB"][0],
+        "bomb.x3p": bomb("main.xml", 2000),
+    }
+    for name, content in worst.items():
+        (tmp_path / name).write_bytes(content)
+    script = """
+        import resource, sys
+        resource.setrlimit(resource.RLIMIT_AS, (2**30, 2**30))
+        import microfacet as mf
+        for file in sys.argv[1:]:
+            try:
+                mf.read_surface(file, pixel_size=1e-6)
+            except mf.SurfaceError as error:
+                print(error)
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script), *(str(tmp_path / name) for name in worst)],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    *sentences, peak = done.stdout.splitlines()
+    assert done.stderr == ""
+    assert len(sentences) == len(worst)
+    assert not any("MemoryError" in sentence for sentence in sentences)
+    assert int(peak) < 300 * 1024  # KiB
+
+
+def x3p(xml, data):
+    return archive({"main.xml": xml, "bindata/data.bin": data})
+
+
+def x3p_index(nx, ny):
+    axes = "".join(
+        f"<{axis}><AxisType>{kind}</AxisType><DataType>D</DataType><Increment>1e-6</Increment></{axis}>"
+        for axis, kind in (("CX", "I"), ("CY", "I"), ("CZ", "A"))
+    )
+    return (
+        '<?xml version="1.0"?><p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"><Record1>'
+        f"<Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType><Axes>{axes}</Axes></Record1>"
+        f"<Record3><MatrixDimension><SizeX>{nx}</SizeX><SizeY>{ny}</SizeY><SizeZ>1</SizeZ></MatrixDimension>"
+        "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink></Record3></p:ISO5436_2>"
+    )
+
+
+OTHER = {
+    "text": (b"hello, world\n" * 50, "not a height map in a format"),
+    "cut": (x3p(x3p_index(7, 6), HEIGHTS.tobytes()[:-8]), "cannot be read|not a height map"),
+    "claims 1e12": (x3p(x3p_index(10**6, 10**6), b""), "exceeds the limit|cannot be read|not a height map"),
+}
+
+
+@pytest.mark.parametrize("case", OTHER)
+def test_other_formats(tmp_path, case):
+    pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
+    content, message = OTHER[case]
+    (tmp_path / "map.x3p").write_bytes(content)
+    check_refused(tmp_path / "map.x3p", message)
+
+
+def test_a_valid_x3p_of_our_own(tmp_path):
+    """So that the refusals above are for the reason that they state."""
+    pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
+    (tmp_path / "map.x3p").write_bytes(x3p(x3p_index(7, 6), HEIGHTS.tobytes()))
+    surface = mf.read_surface(tmp_path / "map.x3p")
+    assert surface.heights == pytest.approx(1e-6 * HEIGHTS, rel=1e-15)  # the increment of CZ
+    assert surface.pixel_size == pytest.approx((1e-6, 1e-6))
+
+
+def test_a_reader_that_hangs_or_dies_is_one_sentence(tmp_path, monkeypatch):
+    pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
+    from microfacet._surface import library
+
+    (tmp_path / "map.x3p").write_bytes(b"anything")
+    monkeypatch.setattr(library, "TIMEOUT", 0.05)
+    check_refused(tmp_path / "map.x3p", "longer than 0.05 seconds")
+    monkeypatch.setattr(library, "TIMEOUT", 60.0)
+    monkeypatch.setattr(library, "_BASE_BYTES", 2**26)  # not enough to start the library
+    check_refused(tmp_path / "map.x3p", "memory|cannot be read")
