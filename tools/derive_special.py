@@ -27,7 +27,7 @@ def erfc_scaled(x: mpmath.mpf) -> mpmath.mpf:
 
 
 def ierfc_scaled(x: mpmath.mpf) -> mpmath.mpf:
-    """exp(x^2) times the integral of erfc over (x, inf), by U(1, 1/2, x^2), free of cancellation (DLMF 7.18.10)."""
+    """exp(x^2) times the integral of erfc over (x, inf), without cancellation (DLMF 7.18.10)."""
     return mpmath.hyperu(1, mpmath.mpf(1) / 2, x * x) / (2 * mpmath.sqrt(mpmath.pi))
 
 

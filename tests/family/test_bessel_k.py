@@ -66,8 +66,8 @@ def test_tends_to_beckmann() -> None:
 
 @pytest.mark.parametrize("a", [499.7, 500.2, 500.5, 501.0, 1e4, 1e6])
 def test_orders_beyond_the_recurrence(a: float) -> None:
-    """From order 500 on K_nu is Debye's expansion. The characteristic function (1 + k^2/4)^-a makes the second
-    derivative of J_a = x Lambda equal to 4 (J_a - J_{a-1}), and that derivative is P2."""
+    """From order 500 on K_nu is Debye's expansion. By the characteristic function (1 + k^2/4)^-a the second
+    derivative of J_a = x Lambda, which is P2, equals 4 (J_a - J_{a-1})."""
     x = np.array([0.3, 0.69, 0.71, 1.5, 3.0]) * np.sqrt(a)
     u = x / np.hypot(1.0, x)
     excess = [x * mf.bessel_k.Lambda(u, 1.0, order) for order in (a - 1, a)]

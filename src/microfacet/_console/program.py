@@ -1,0 +1,105 @@
+"""What every command has in common: errors become one sentence, and families' parameters become options."""
+
+from __future__ import annotations
+
+import functools
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+import click
+
+__all__ = ["Program", "families_option", "json_option", "parameter_options", "progress", "surface_options"]
+
+Command = Callable[..., Any]
+
+
+class Program(click.Group):
+    """A group whose errors are one sentence, whatever raised them."""
+
+    def main(self, *args: Any, **options: Any) -> NoReturn:
+        """Run, and turn the errors that a user can cause into exit statuses."""
+        options["standalone_mode"] = False
+        try:
+            status = super().main(*args, **options)
+        except click.ClickException as error:
+            _fail(error.format_message())
+        except click.Abort:  # Ctrl-C
+            sys.exit(130)
+        except (ValueError, ImportError) as error:
+            _fail(str(error))
+        except OSError as error:
+            _fail(": ".join(str(part) for part in (error.filename, error.strerror or error) if part))
+        sys.exit(status if isinstance(status, int) else 0)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Stop without a word when the reader of a pipe has left."""
+        try:
+            value = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            ctx.exit(141)  # 128 + SIGPIPE, what a shell reports
+        return value
+
+
+def _fail(message: str) -> NoReturn:
+    click.echo("microfacet: " + " ".join(message.split()), err=True)
+    sys.exit(2)
+
+
+def parameter_options(command: Command) -> Command:
+    """Options for the parameters of all families; the command gets those given as `parameters`."""
+
+    @click.option("--alpha", type=float, metavar="X", help="Roughness, in slope units.")
+    @click.option("--gamma", type=float, metavar="X", help="Tail of gtr and student_t.")
+    @click.option("--a", type=float, metavar="X", help="Shape of bessel_k.")
+    @functools.wraps(command)
+    def wrapped(alpha: float | None, gamma: float | None, a: float | None, **rest: Any) -> Any:
+        options = {"alpha": alpha, "gamma": gamma, "a": a}
+        given = {name: value for name, value in options.items() if value is not None}
+        return command(parameters=given, **rest)
+
+    return wrapped
+
+
+def surface_options(command: Command) -> Command:
+    """Options that say how to read a measured surface; the command gets them all as `reading`."""
+
+    @click.option("--channel", metavar="NAME", help="Which map of a file that holds several: name or number.")
+    @click.option("--pixel-size", type=float, metavar="X", help="In metres, for a file that states none.")
+    @click.option("--unit", metavar="NAME", help="Of the lengths in a file that states none.")
+    @click.option("--lag", type=click.IntRange(min=1), metavar="N", help="Pixels to either side of a slope.")
+    @functools.wraps(command)
+    def wrapped(
+        channel: str | None, pixel_size: float | None, unit: str | None, lag: int | None, **rest: Any
+    ) -> Any:
+        reading = {"channel": channel, "pixel_size": pixel_size, "unit": unit, "lag": lag}
+        return command(reading=reading, **rest)
+
+    return wrapped
+
+
+families_option = click.option(
+    "--family", "families", multiple=True, metavar="NAME", help="Only this family; repeat for several."
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str, int, int], None]]:
+    """A line on stderr that says what is going on, where stderr is a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda *_: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda what, done, total: bar.update(
+            task, description=what, completed=done, total=total or None
+        )

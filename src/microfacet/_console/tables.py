@@ -1,0 +1,130 @@
+"""Tables for a terminal, and tab-separated text where the output is no terminal."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from microfacet._checks import CheckItem, CheckResult
+from microfacet._console.evaluate import Evaluation
+
+__all__ = ["checks", "console", "evaluation", "families", "fits", "summary"]
+
+_INPUTS = {"P22": ("p", "q"), "P2": ("p",), "slope_cdf": ("p",), "survival": ("r",), "sample_slope": ("xi",)}
+_INPUTS["sample_u"] = ("xi",)
+
+
+def console() -> Console:
+    """Standard output: as wide as the terminal, or wide enough for the tables where it is none."""
+    return Console(width=None if sys.stdout.isatty() else 160)
+
+
+def evaluation(out: Console, result: Evaluation) -> None:
+    """One row per point; every digit that distinguishes the result."""
+    names = _INPUTS.get(result.quantity, ("u",))
+    rows = [
+        [*map(str, point), str(value)] for point, value in zip(result.points, result.results, strict=True)
+    ]
+    _print(out, [*names, result.quantity], rows, left=0)
+
+
+def families(out: Console, entries: Iterable[Any]) -> None:
+    """Name, title, parameters with their intervals, whether it stretches, sources."""
+    rows = [
+        [
+            family.name,
+            family.title,
+            ", ".join(f"{p.name} in ({p.lower:g}, {p.upper:g})" for p in family.parameters),
+            "yes" if family.anisotropic else "no",
+            ", ".join(family.sources),
+        ]
+        for family in entries
+    ]
+    _print(out, ["family", "title", "parameters", "anisotropic", "sources"], rows, left=5)
+
+
+def fits(out: Console, results: Sequence[Any]) -> None:
+    """Fitted families, best first, with the likelihood per slope relative to the best."""
+    best = results[0]
+    rows = [
+        [
+            str(rank),
+            fit.family,
+            ", ".join(f"{name} {value:.4g}" for name, value in fit.params.items()),
+            f"{(fit.log_likelihood - best.log_likelihood) / fit.n:.5f}",
+            f"{fit.aic - best.aic:.1f}",
+            f"{fit.bic - best.bic:.1f}",
+        ]
+        for rank, fit in enumerate(results, start=1)
+    ]
+    _print(out, ["rank", "family", "parameters", "nats/slope", "dAIC", "dBIC"], rows, left=3)
+
+
+def checks(out: Console, items: Sequence[CheckItem], results: Sequence[CheckResult]) -> None:
+    """One row per check, at the worst of the parameters it ran at, grouped by family."""
+    by_id: dict[str, list[CheckResult]] = {}
+    for result in results:
+        by_id.setdefault(result.id, []).append(result)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("check", "parameters"):
+        table.add_column(heading, overflow="fold")
+    for heading in ("left side", "right side", "residual", "tolerance"):
+        table.add_column(heading, justify="right")
+    table.add_column("")
+    family = None
+    for item in items:
+        if item.id not in by_id:
+            continue
+        if family not in (None, item.family):
+            table.add_section()
+        family = item.family
+        worst = max(by_id[item.id], key=_severity)
+        holds = all(result.passed for result in by_id[item.id])
+        table.add_row(
+            item.id,
+            ", ".join(f"{name} {value:g}" for name, value in worst.parameters.items()),
+            f"{worst.lhs:.10g}",
+            f"{worst.rhs:.10g}",
+            f"{worst.residual:.1e}",
+            f"{worst.tolerance:.1e}",
+            "[green]✓ holds[/green]" if holds else "[bold red]✗ fails[/bold red]",
+        )
+    out.print(table)
+
+
+def summary(items: Sequence[CheckItem], results: Sequence[CheckResult]) -> list[str]:
+    """How many checks hold: the notebooks', then the further ones; one holds if all its results do."""
+    held: dict[str, bool] = {}
+    for result in results:
+        held[result.id] = held.get(result.id, True) and result.passed
+    lines = []
+    for kind, notebook in (("notebook", True), ("further", False)):
+        ids = [item.id for item in items if item.notebook == notebook and item.id in held]
+        if ids:
+            lines.append(f"{sum(held[name] for name in ids)} of {len(ids)} {kind} checks hold")
+    return lines
+
+
+def _severity(result: CheckResult) -> float:
+    ratio = result.residual / result.tolerance if result.tolerance else math.inf
+    return math.inf if math.isnan(ratio) else ratio
+
+
+def _print(out: Console, headings: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> None:
+    """A table on a terminal; elsewhere tab-separated lines, which tools read. `left` columns are text."""
+    if not out.is_terminal:
+        for line in (headings, *rows):
+            out.file.write("\t".join(line) + "\n")  # rich would expand the tabs
+        return
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for i, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if i < left else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    out.print(table)

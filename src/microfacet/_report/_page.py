@@ -1,0 +1,96 @@
+"""Sets the content as HTML: numbers, references and formulas become text, jinja2 does the rest."""
+
+from __future__ import annotations
+
+import datetime
+import math
+import platform
+from collections.abc import Callable
+from typing import Any
+
+import jinja2
+import numpy as np
+from markupsafe import Markup, escape
+
+import microfacet
+from microfacet._report import _formulas, _mathml
+from microfacet._report._content import Content
+from microfacet._report._sources import SOURCES
+
+__all__ = ["number", "render"]
+
+_SYMBOLS = {"alpha": "α", "gamma": "γ", "alpha_x": "α<sub>x</sub>", "alpha_y": "α<sub>y</sub>"}
+
+
+def render(content: Content, seconds: float) -> str:
+    """The complete page."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("microfacet._report"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    filters: dict[str, Callable[..., Any]] = {
+        "prose": lambda text: Markup(_mathml.prose(text)),
+        "display": lambda latex: Markup("".join(_mathml.display_pieces(latex))),
+        "inline": lambda latex: Markup(_mathml.inline(latex)),
+        "number": number,
+        "symbol": lambda name: Markup(f"<i>{_SYMBOLS.get(name, name)}</i>"),
+        "interval": _interval,
+        "cite": _cite,
+        "svg": Markup,
+    }
+    environment.filters |= filters
+    return environment.get_template("report.html.j2").render(
+        content=content,
+        common=_formulas.load().common,
+        sources=SOURCES,
+        version=microfacet.__version__,
+        python=platform.python_version(),
+        numpy=np.__version__,
+        now=datetime.datetime.now().astimezone(),
+        seconds=seconds,
+    )
+
+
+def number(value: float | None, digits: int = 6) -> Markup:
+    """A number with so many significant digits: 1.5×10⁻¹³ where plain digits would be long."""
+    if value is None:
+        return Markup("–")
+    if not math.isfinite(value):
+        return Markup({math.inf: "∞", -math.inf: "−∞"}.get(value, "nan"))
+    text = f"{value:.{digits}g}"
+    mantissa, _, exponent = text.partition("e")
+    mantissa = mantissa.replace("-", "−")
+    if not exponent:
+        return Markup(mantissa)
+    return Markup(f"{mantissa}\u202f×\u202f10<sup>{int(exponent)}</sup>".replace("<sup>-", "<sup>−"))
+
+
+def _interval(parameter: Any) -> Markup:
+    upper = "∞" if math.isinf(parameter.upper) else f"{parameter.upper:g}"
+    return Markup(f"({parameter.lower:g}, {upper})")
+
+
+def _cite(text: str) -> Markup:
+    """A key, or a text that begins with works such as "Walter et al. 2007; ...", linked to the references.
+
+    The title after such a short form is dropped: the list of references has it.
+    """
+    if text in SOURCES:
+        return _link(text)
+    parts = []
+    for part in text.split("; "):
+        plain = part.replace("'", "’")
+        key = next((key for key, source in SOURCES.items() if plain.startswith(source.short)), None)
+        if key is None:
+            parts.append(escape(part))
+            continue
+        rest = plain.removeprefix(SOURCES[key].short).replace(f", {SOURCES[key].title}", "")
+        parts.append(_link(key) + escape(rest))
+    return Markup("; ").join(parts)
+
+
+def _link(key: str) -> Markup:
+    return Markup('<a href="#ref-{}">{}</a>').format(key, SOURCES[key].short)

@@ -1,0 +1,256 @@
+"""The command `microfacet`: arguments, options and exit statuses. The work is done in lower modules.
+
+Exit status 0; 1 when a check failed; 2 for bad input, with one sentence on stderr; 130 after Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import click
+
+import microfacet as mf
+from microfacet._console.program import (
+    Program,
+    families_option,
+    json_option,
+    parameter_options,
+    progress,
+    surface_options,
+)
+
+__all__ = ["main"]
+
+Parameters = dict[str, float]
+
+
+@click.group(
+    cls=Program, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.version_option(mf.__version__, prog_name="microfacet")
+@click.pass_context
+def main(ctx: click.Context) -> None:
+    """Microfacet normal distribution functions: evaluate, sample, fit, verify, report.
+
+    \b
+    Examples:
+      microfacet verify
+      microfacet report --terrain
+      microfacet eval ggx sigma 0.5 1 --alpha 0.3
+    """
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+@main.command()
+@click.option("--output", default="report.html", type=click.Path(dir_okay=False), help="The page to write.")
+@families_option
+@parameter_options
+@click.option("--surface", metavar="FILE", help="Fit this measured surface and show it.")
+@surface_options
+@click.option("--terrain", is_flag=True, help="Fit and show the terrain that ships with matplotlib.")
+@click.option("--quick", is_flag=True, help="Leave the table of checks out.")
+@json_option
+@click.pass_context
+def report(
+    ctx: click.Context,
+    output: str,
+    families: tuple[str, ...],
+    parameters: Parameters,
+    surface: str | None,
+    reading: dict[str, Any],
+    terrain: bool,
+    quick: bool,
+    as_json: bool,
+) -> None:
+    """Write the report: every formula, figure and check in one HTML file.
+
+    The last line printed is the path of the page. The exit status is 1 when a check failed.
+
+    \b
+    Examples:
+      microfacet report --terrain
+      microfacet report --family k0 --family beckmann --alpha 0.3
+      microfacet report --surface scan.x3p --output scan.html
+    """
+    from microfacet._console import surfaces
+    from microfacet._report import build
+
+    if surface and terrain:
+        raise click.UsageError("--surface and --terrain exclude each other")
+    measured = surfaces.load(surface, **reading) if surface else mf.sample_terrain() if terrain else None
+    with progress() as tell:
+        result = build(output, families or None, parameters, measured, tell, quick)
+    if as_json:
+        summary = {"passed": result.passed, "total": result.total, "seconds": round(result.seconds, 2)}
+        click.echo(json.dumps({"path": str(result.path), **summary}))
+    else:
+        if result.total:
+            click.echo(f"{result.passed} of {result.total} checks hold; built in {result.seconds:.0f} s")
+        click.echo(str(result.path))
+    ctx.exit(0 if result.passed == result.total else 1)
+
+
+@main.command()
+@click.option("--grid", is_flag=True, help="Check over a grid of the whole domain; takes minutes.")
+@families_option
+@click.option("--id", "ids", multiple=True, metavar="ID", help="This check, such as k0.sampling; repeatable.")
+@parameter_options
+@json_option
+@click.pass_context
+def verify(
+    ctx: click.Context,
+    grid: bool,
+    families: tuple[str, ...],
+    ids: tuple[str, ...],
+    parameters: Parameters,
+    as_json: bool,
+) -> None:
+    """Check every formula by a second route. The exit status is 1 when one fails.
+
+    \b
+    Examples:
+      microfacet verify
+      microfacet verify --family gtr --alpha 0.2 --gamma 1.7
+      microfacet verify --id beckmann.sigma_delta --json
+    """
+    from microfacet import _checks
+    from microfacet._console import tables
+
+    items = _checks.catalogue()
+    results: list[_checks.CheckResult] = []
+    with progress() as tell:
+        for result in _checks.run(ids or None, families or None, grid, parameters):
+            results.append(result)
+            tell(result.id, len(results), 0)
+    if not results:
+        raise click.UsageError("no check applies at these parameters")
+    if as_json:
+        click.echo(json.dumps([result.as_dict() for result in results], indent=1, allow_nan=False))
+    else:
+        tables.checks(tables.console(), items, results)
+        for line in tables.summary(items, results):
+            click.echo(line)
+    ctx.exit(0 if all(result.passed for result in results) else 1)
+
+
+@main.command("eval", context_settings={"ignore_unknown_options": True})  # so that -0.5 is a value
+@click.argument("family")
+@click.argument("quantity")
+@click.argument("values", nargs=-1, required=True)
+@parameter_options
+@click.option("--dtype", type=click.Choice(["float64", "float32"]), default="float64", help="Precision.")
+@json_option
+def evaluate(
+    family: str,
+    quantity: str,
+    values: tuple[str, ...],
+    parameters: Parameters,
+    dtype: str,
+    as_json: bool,
+) -> None:
+    """Evaluate QUANTITY of FAMILY at VALUES, or at the lines of stdin where VALUES is "-".
+
+    QUANTITY is D, P22, P2, slope_cdf, sigma, Lambda, G1, survival, sample_slope or sample_u. P22 takes pairs
+    of slopes: 0.1,0.2.
+
+    \b
+    Examples:
+      microfacet eval ggx Lambda 0.1 0.5 0.9 --alpha 0.3
+      microfacet eval beckmann sigma -0.5 --alpha 0.5
+      seq 0 0.1 1 | microfacet eval student_t D - --alpha 0.3 --gamma 2.5
+    """
+    from microfacet._console import evaluate as work
+    from microfacet._console import records, tables
+    from microfacet._console.parameters import family_named
+
+    entry = family_named(family)
+    lines: Iterable[str] = (line for line in sys.stdin if line.strip()) if values == ("-",) else values
+    result = work.evaluate(entry, quantity, lines, parameters, dtype)
+    if as_json:
+        click.echo(json.dumps(records.finite(result.as_dict()), allow_nan=False))
+    else:
+        tables.evaluation(tables.console(), result)
+
+
+@main.command()
+@click.argument("family")
+@click.option("-n", "number", type=click.IntRange(min=1), default=10, show_default=True, help="How many.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same normals."
+)
+@parameter_options
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False), help="FILE.npy or FILE.csv; stdout otherwise."
+)
+def sample(
+    family: str,
+    number: int,
+    seed: int,
+    parameters: Parameters,
+    output: str | None,
+) -> None:
+    """Draw normals from D cos(theta): rows x, y, z.
+
+    \b
+    Examples:
+      microfacet sample ggx --alpha 0.3
+      microfacet sample student_t --alpha 0.3 --gamma 2.5 -n 1000000 --seed 7 -o normals.npy
+    """
+    from microfacet._console import draw
+    from microfacet._console.parameters import distribution, family_named
+
+    ndf = distribution(family_named(family), parameters)
+    if output is None:
+        draw.write_csv(ndf, number, seed, sys.stdout.buffer)
+    else:
+        draw.save(ndf, number, seed, Path(output))
+
+
+@main.command()
+@click.argument("file", type=click.Path())
+@surface_options
+@families_option
+@json_option
+def fit(file: str, reading: dict[str, Any], families: tuple[str, ...], as_json: bool) -> None:
+    """Fit the families to the slopes of a measured surface and rank them.
+
+    FILE is a height map: .npz, .npy, .x3p, and what SurfaceTopography reads where it is installed.
+
+    \b
+    Examples:
+      microfacet fit scan.x3p
+      microfacet fit scan.di --lag 2 --family student_t --family ggx --json
+    """
+    from microfacet._console import records, surfaces, tables
+
+    surface = surfaces.load(file, **reading).level()
+    results = mf.fit(surface, families=families or None)
+    if as_json:
+        click.echo(json.dumps(records.fits(surface, results), allow_nan=False))
+    else:
+        click.echo(f"{surface.source}: {results[0].n} slopes at lag {results[0].lag}", err=True)
+        for note in dict.fromkeys((*surface.steps, *(note for result in results for note in result.notes))):
+            click.echo(f"  {note}", err=True)
+        tables.fits(tables.console(), results)
+
+
+@main.command()
+@json_option
+def families(as_json: bool) -> None:
+    """List the families, their parameters and sources."""
+    from microfacet._console import records, tables
+
+    entries = mf.families()
+    if as_json:
+        click.echo(json.dumps(records.families(entries), indent=1))
+    else:
+        tables.families(tables.console(), entries)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,371 @@
+"""The command line: what it prints, its exit statuses, and that errors are one sentence."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import microfacet as mf
+from microfacet import _checks
+from microfacet.cli import main
+
+Run = Callable[..., Result]
+
+
+@pytest.fixture
+def run() -> Run:
+    def call(*arguments: str, stdin: str | None = None) -> Result:
+        return CliRunner().invoke(main, list(arguments), input=stdin)
+
+    return call
+
+
+def command(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "microfacet.cli", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        **options,
+    )
+
+
+# eval
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["ggx", "sigma", "0.5", "--alpha", "0.3"], [mf.ggx.sigma(0.5, 0.3)]),
+        (["beckmann", "sigma", "-0.5", "--alpha", "0.5"], [mf.beckmann.sigma(-0.5, 0.5)]),
+        (["beckmann", "sigma", "--alpha", "0.5", "--", "-0.5"], [mf.beckmann.sigma(-0.5, 0.5)]),
+        (
+            ["student_t", "D", "0.2", "1", "--alpha", ".3", "--gamma", "2.5"],
+            mf.student_t.D([0.2, 1], 0.3, 2.5),
+        ),
+        (["bessel_k", "P2", "-1e-3", "--alpha", "1", "--a", "0.7"], [mf.bessel_k.P2(-1e-3, 1.0, 0.7)]),
+        (["k0", "P22", "0.1,-0.2", "-1,2", "--alpha", "2"], mf.k0.P22([0.1, -1], [-0.2, 2], 2.0)),
+        # The density needs less of gamma than the projected area does.
+        (["student_t", "P2", "0.2", "--alpha", "0.3", "--gamma", "1.2"], [mf.student_t.P2(0.2, 0.3, 1.2)]),
+    ],
+)
+def test_eval_prints_what_the_ufunc_gives(run: Run, arguments: list[str], expected: Any) -> None:
+    result = run("eval", *arguments)
+    assert result.exit_code == 0, result.stderr
+    heading, *lines = result.stdout.splitlines()
+    assert heading.endswith(f"\t{arguments[1]}")
+    assert [float(line.split("\t")[-1]) for line in lines] == list(expected), "every digit is printed"
+
+
+def test_eval_as_json(run: Run) -> None:
+    result = run("eval", "k0", "D", "1", "0.5", "nan", "--alpha", "0.5", "--json")
+    assert json.loads(result.stdout) == {
+        "family": "k0",
+        "quantity": "D",
+        "parameters": {"alpha": 0.5},
+        "dtype": "float64",
+        "values": [1.0, 0.5, None],
+        "results": [None, float(mf.k0.D(0.5, 0.5)), None],  # infinite, and not a number
+    }
+
+
+def test_eval_in_single_precision(run: Run) -> None:
+    result = run("eval", "gtr", "Lambda", "0.3", "--alpha", "0.1", "--gamma", "1", "--dtype", "float32")
+    printed = result.stdout.splitlines()[1].split("\t")[1]
+    expected = mf.gtr.Lambda(np.float32(0.3), np.float32(0.1), np.float32(1))
+    assert np.float32(printed) == expected
+    assert printed == str(expected), "no digit that single precision does not have"
+
+
+def test_eval_reads_stdin(run: Run) -> None:
+    result = run("eval", "ggx", "P22", "-", "--alpha", "0.3", stdin="0.1 0.2\n\n0,0\n")
+    values = [float(line.split("\t")[-1]) for line in result.stdout.splitlines()[1:]]
+    assert values == list(mf.ggx.P22([0.1, 0.0], [0.2, 0.0], 0.3))
+
+
+# sample
+
+
+def test_sample_prints_unit_normals(run: Run) -> None:
+    result = run("sample", "student_t", "--alpha", "0.3", "--gamma", "2.5", "-n", "50", "--seed", "4")
+    assert result.stdout.splitlines()[0] == "x,y,z"
+    normals = np.loadtxt(result.stdout.splitlines()[1:], delimiter=",")
+    xi = np.random.default_rng(4).random((50, 2))
+    np.testing.assert_array_equal(normals, mf.StudentT(alpha=0.3, gamma=2.5).sample(xi))
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".csv"])
+def test_sample_writes_files(run: Run, tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("microfacet._console.draw._BLOCK", 7)
+    path = tmp_path / f"normals{suffix}"
+    result = run("sample", "ggx", "--alpha", "0.3", "-n", "30", "--seed", "4", "-o", str(path))
+    assert result.exit_code == 0, result.stderr
+    normals = np.load(path) if suffix == ".npy" else np.loadtxt(path, delimiter=",", skiprows=1)
+    assert normals.shape == (30, 3)
+    expected = mf.GGX(alpha=0.3).sample(np.random.default_rng(4).random((30, 2)))
+    np.testing.assert_array_equal(normals, expected, "blocks make no difference")
+    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+def test_sample_never_leaves_half_a_file(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "normals.npy"
+    path.write_bytes(b"old")
+
+    def blocks(*_: object) -> Iterator[np.ndarray]:
+        yield np.zeros((2, 3))
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr("microfacet._console.draw._blocks", blocks)
+    result = run("sample", "ggx", "--alpha", "0.3", "-o", str(path))
+    assert_one_sentence(result, "No space left on device")
+    assert path.read_bytes() == b"old"
+    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+# verify
+
+
+def test_verify_prints_a_table_and_the_count(run: Run) -> None:
+    result = run("verify", "--id", "k0.lambda_of_x", "--id", "k0.marginal")
+    assert result.exit_code == 0
+    assert "k0.lambda_of_x" in result.stdout
+    assert result.stdout.count("✓ holds") == 2
+    assert result.stdout.splitlines()[-2:] == ["1 of 1 notebook checks hold", "1 of 1 further checks hold"]
+
+
+def test_verify_as_json(run: Run) -> None:
+    result = run("verify", "--id", "gtr.gamma_1", "--alpha", "0.4", "--json")
+    (entry,) = json.loads(result.stdout)
+    fields = "id, family, parameters, lhs, rhs, residual, tolerance, passed, source"
+    assert list(entry) == fields.split(", ")
+    assert entry["id"] == "gtr.gamma_1"
+    assert entry["parameters"]["alpha"] == 0.4
+    assert entry["passed"] is True
+
+
+@pytest.mark.parametrize("form", [[], ["--json"]])
+def test_verify_exits_with_1_when_a_check_fails(
+    run: Run, form: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good = next(_checks.run(ids=["k0.lambda_of_x"]))
+    bad = _checks.CheckResult(**{**good.as_dict(), "residual": 1.0, "passed": False})
+    monkeypatch.setattr(_checks, "run", lambda *_: iter([good, bad]))
+    result = run("verify", *form)
+    assert result.exit_code == 1
+    if not form:
+        assert "✗ fails" in result.stdout, "a check holds where it holds at every point"
+        assert result.stdout.splitlines()[-1] == "0 of 1 notebook checks hold"
+
+
+# fit, families, report
+
+
+def test_fit_ranks_families(run: Run, tmp_path: Path) -> None:
+    heights = np.random.default_rng(8).normal(size=(40, 50)).cumsum(axis=1)
+    path = tmp_path / "map.npz"
+    np.savez(path, heights=heights, pixel_size=2.0)
+    chosen = ["--family", "ggx", "--family", "beckmann"]
+    result = run("fit", str(path), *chosen, "--lag", "3", "--json")
+    assert result.exit_code == 0, result.stderr
+    answer = json.loads(result.stdout)
+    expected = mf.fit(mf.read_surface(path).level(), families=["ggx", "beckmann"], lag=3)
+    assert [fit["family"] for fit in answer["fits"]] == [fit.family for fit in expected]
+    assert [fit["params"] for fit in answer["fits"]] == [fit.params for fit in expected]
+    assert answer["fits"][0]["lag"] == 3
+    table = run("fit", str(path), *chosen)
+    assert table.stdout.splitlines()[1].startswith("1\t")
+    assert "lag 1" in table.stderr
+
+
+def test_fit_takes_a_pixel_size_where_the_file_has_none(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "map.npy"
+    np.save(path, np.random.default_rng(8).normal(size=(30, 30)))
+    assert_one_sentence(run("fit", str(path)), "pixel")
+    assert run("fit", str(path), "--family", "ggx", "--pixel-size", "2").exit_code == 0
+
+
+def test_families_lists_all(run: Run) -> None:
+    entries = json.loads(run("families", "--json").stdout)
+    assert [entry["name"] for entry in entries] == [family.name for family in mf.families()]
+    assert entries[3]["parameters"][1] == {"name": "gamma", "lower": 1.5, "upper": None}
+    assert len(run("families").stdout.splitlines()) == 1 + len(entries)
+
+
+def test_report_ends_with_its_path(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run("report", "--family", "ggx", "--quick", "--output", "page.html")
+    assert result.exit_code == 0, result.stderr
+    path = Path(result.stdout.splitlines()[-1])
+    assert path.is_absolute()
+    assert path.read_text("utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_report_as_json(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from microfacet import _report
+
+    def build(path: str, *arguments: object) -> _report.Report:
+        assert arguments[:3] == (("gtr",), {"gamma": 1.5}, None)
+        return _report.Report(tmp_path / path, 3, 4, 0.25)
+
+    monkeypatch.setattr(_report, "build", build)
+    result = run("report", "--family", "gtr", "--gamma", "1.5", "--json")
+    assert json.loads(result.stdout) == {
+        "path": str(tmp_path / "report.html"),
+        "passed": 3,
+        "total": 4,
+        "seconds": 0.25,
+    }
+    assert result.exit_code == 1, "a check failed"
+
+
+# Errors
+
+
+def assert_one_sentence(result: Result, *words: str) -> None:
+    assert result.exit_code == 2, (result.stdout, result.stderr)
+    assert result.stdout == ""
+    assert result.stderr.startswith("microfacet: ")
+    assert result.stderr.count("\n") == 1
+    assert "Traceback" not in result.stderr
+    for word in words:
+        assert word in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("eval nonsense D 1 --alpha 1", ["family must be one of", "'nonsense'"]),
+        ("eval ggx nonsense 1 --alpha 1", ["quantity must be one of", "'nonsense'"]),
+        ("eval ggx D one --alpha 1", ["values must be numbers", "'one'"]),
+        ("eval ggx D 1,2 --alpha 1", ["must be one number", "'1,2'"]),
+        ("eval ggx P22 1 --alpha 1", ["2 numbers", "'1'"]),
+        ("eval ggx D 1", ["ggx needs --alpha"]),
+        ("eval ggx D 1 --alpha 1 --gamma 2", ["ggx has no parameter gamma"]),
+        ("eval ggx D 1 --alpha -1", ["alpha must lie in (0, inf), got -1"]),
+        ("eval ggx D 1 --alpha nan", ["alpha must lie in (0, inf), got nan"]),
+        ("eval student_t sigma 1 --alpha 1 --gamma 1.2", ["gamma must lie in (1.5, inf), got 1.2"]),
+        ("eval ggx D 1 --alpha x", ["--alpha", "'x'"]),
+        ("eval ggx D 1 --alpha 1 --dtype float16", ["--dtype"]),
+        ("eval ggx D --alpha 1", ["VALUES"]),
+        ("eval ggx D 1 --alpha 1 --nonsense", ["--nonsense"]),
+        ("sample ggx --alpha 0", ["GGX: alpha must lie in (0, inf), got 0"]),
+        ("sample ggx --alpha 1 -n 0", ["-n"]),
+        ("sample ggx --alpha 1 -o normals.txt", ["must end in .npy or .csv"]),
+        ("sample ggx --alpha 1 -o missing/normals.npy", ["missing", "No such file"]),
+        ("verify --id k0.nonsense", ["k0.nonsense"]),
+        ("verify --family nonsense", ["nonsense"]),
+        ("verify --alpha -1", ["alpha must lie in (0, inf), got -1"]),
+        ("fit missing.npz", ["missing.npz"]),
+        ("fit . ", ["."]),
+        ("fit map.npz --lag 0", ["--lag"]),
+        ("report --family nonsense", ["family must be one of"]),
+        ("report --family ggx --gamma 2", ["gamma is no parameter of ggx"]),
+        ("report --gamma 1.2 --family student_t", ["gamma must lie in (1.5, inf), got 1.2"]),
+        ("report --output missing/page.html", ["existing folder"]),
+        ("report --surface missing.npz", ["missing.npz"]),
+        ("report --surface a.npz --terrain", ["exclude each other"]),
+        ("nonsense", ["No such command 'nonsense'"]),
+        ("--nonsense", ["--nonsense"]),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    run: Run, arguments: str, words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert_one_sentence(run(*arguments.split()), *words)
+    assert not list(tmp_path.iterdir()), "nothing is written"
+
+
+def test_results_that_are_nan_for_their_own_reason_are_printed(run: Run) -> None:
+    result = run("eval", "ggx", "D", "2", "--alpha", "0.3")
+    assert result.exit_code == 0
+    assert result.stdout.splitlines()[1].split("\t")[1] == "nan"
+
+
+def test_interrupt_exits_with_130(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(_checks, "run", interrupt)
+    result = run("verify")
+    assert result.exit_code == 130
+    assert "Traceback" not in result.stderr
+
+
+# As a process
+
+
+def test_a_closed_pipe_is_silent() -> None:
+    producer = subprocess.Popen(
+        [sys.executable, "-m", "microfacet.cli", "sample", "ggx", "--alpha", "0.3", "-n", "1000000"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert producer.stdout is not None
+    assert producer.stderr is not None
+    assert producer.stdout.readline() == b"x,y,z\n"
+    producer.stdout.close()
+    assert producer.stderr.read() == b""
+    assert producer.wait(timeout=30) == 141
+    producer.stderr.close()
+
+
+def test_stdin_and_stdout_of_a_process() -> None:
+    done = command("eval", "beckmann", "sigma", "-", "--alpha", "0.5", input="-0.5\n0.5\n")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    rows = [line.split("\t") for line in done.stdout.splitlines()]
+    assert rows == [["u", "sigma"], *([str(u), str(mf.beckmann.sigma(u, 0.5))] for u in (-0.5, 0.5))]
+
+
+def test_version_and_errors_of_a_process() -> None:
+    assert command("--version").stdout == f"microfacet, version {mf.__version__}\n"
+    failed = command("eval", "ggx", "D", "1")
+    assert (failed.returncode, failed.stdout) == (2, "")
+    assert failed.stderr == "microfacet: ggx needs --alpha\n"
+
+
+def test_starting_loads_no_heavy_library() -> None:
+    heavy = ["matplotlib", "scipy", "mpmath", "rich", "jinja2"]
+    code = f"import sys, microfacet.cli; print([name for name in {heavy} if name in sys.modules])"
+    program = [sys.executable, "-c", code]
+    done = subprocess.run(program, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout == "[]\n"
+
+
+# Help
+
+
+def test_no_arguments_show_the_help(run: Run) -> None:
+    result = run()
+    assert result.exit_code == 0
+    assert all(name in result.stdout for name in main.commands)
+
+
+@pytest.mark.parametrize("name", [name for name in main.commands if name != "families"])
+def test_every_command_has_examples_that_parse(run: Run, name: str) -> None:
+    result = run(name, "--help")
+    assert result.exit_code == 0
+    lines = result.stdout.split("Examples:")[1].split("Options:")[0].splitlines()
+    examples = [line.strip().split("| ")[-1].split() for line in lines if line.strip()]
+    assert examples
+    for program, command_name, *arguments in examples:
+        assert program == "microfacet"
+        assert command_name == name
+        main.commands[name].make_context(name, arguments, resilient_parsing=False)
+
+
+def test_options_are_explained(run: Run) -> None:
+    for name, entry in main.commands.items():
+        for parameter in entry.params:
+            if isinstance(parameter, click.Option):
+                assert parameter.help, f"{name} {parameter.name}"
