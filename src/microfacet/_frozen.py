@@ -184,7 +184,7 @@ class Distribution:
         ----------
         xi : array_like, shape (..., 2)
             Uniform random numbers in [0, 1): the first gives the slope (0 the macroscopic normal), the second
-            its azimuth. The caller owns the generator.
+            times 2 pi the azimuth of the normal before the stretch. The caller owns the generator.
 
         Returns
         -------

@@ -41,10 +41,11 @@ vec3<T> sample_normal(const ndf<Family, T, Shape>& distribution, const T& xi_rad
   const auto valid = (xi_radius >= T(0)) & (xi_radius < T(1)) & (xi_azimuth >= T(0)) & (xi_azimuth <= T(1));
   const T radius = sample_radius(distribution.family(), where(valid, xi_radius));
   const T azimuth = T(2 * pi) * xi_azimuth;
-  T p = radius * cos(azimuth), q = radius * sin(azimuth);
-  distribution.shape().to_surface(p, q);
-  const T z = cosine_of_slope(T(sqrt(p * p + q * q)));
-  return {-p * z, -q * z, z};
+  // Minus the slopes, so that 2 pi xi is the azimuth of the normal; the density is symmetric.
+  T x = radius * cos(azimuth), y = radius * sin(azimuth);
+  distribution.shape().to_surface(x, y);
+  const T z = cosine_of_slope(T(sqrt(x * x + y * y)));
+  return {x * z, y * z, z};
 }
 
 }  // namespace microfacet
