@@ -214,6 +214,17 @@ class StretchedDistribution(Distribution):
     def __init_subclass__(cls) -> None:
         cls._names = ("alpha_x", "alpha_y", "rotation", *(name for name, *_ in cls.kernels.parameters))
 
+    # A family with a shape parameter has a constructor of its own.
+    def __init__(
+        self,
+        alpha: float | None = None,
+        *,
+        alpha_x: float | None = None,
+        alpha_y: float | None = None,
+        rotation: float = 0.0,
+    ) -> None:
+        self._set(alpha, alpha_x, alpha_y, rotation)
+
     def _set(
         self,
         alpha: float | None,

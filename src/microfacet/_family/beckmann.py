@@ -95,15 +95,5 @@ class Beckmann(StretchedDistribution):
     family = "beckmann"
     kernels = _kernels
 
-    def __init__(
-        self,
-        alpha: float | None = None,
-        *,
-        alpha_x: float | None = None,
-        alpha_y: float | None = None,
-        rotation: float = 0.0,
-    ) -> None:
-        self._set(alpha, alpha_x, alpha_y, rotation)
-
 
 DISTRIBUTION = Beckmann
