@@ -278,25 +278,63 @@ def x3p_index(nx, ny):
     )
 
 
-OTHER = {
-    "text": (b"hello, world\n" * 50, "not a height map in a format"),
-    "cut": (x3p(x3p_index(7, 6), HEIGHTS.tobytes()[:-8]), "cannot be read|not a height map"),
-    "claims 1e12": (x3p(x3p_index(10**6, 10**6), b""), "exceeds the limit|cannot be read|not a height map"),
+INDEX, DATA = x3p_index(7, 6), HEIGHTS.tobytes()
+LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha">' + "".join(
+    f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefghi", "bcdefghij", strict=True)
+)
+X3P = {
+    "no archive": (b"hello, world\n" * 50, "not a zip file"),
+    "empty archive": (archive({}), "no member 'main.xml'"),
+    "no XML": (x3p("hello", DATA), "cannot be read .ParseError"),
+    "other XML": (x3p("<a/>", DATA), "SizeX must be a positive whole number, got 'None'"),
+    "a billion laughs": (x3p(f"{LAUGHS}]><a>&j;</a>", DATA), "cannot be read .ParseError"),
+    "huge XML": (x3p("<a>" + " " * 2**21 + "</a>", DATA), "bytes, 1048576 are expected at most"),
+    "cut": (x3p(INDEX, DATA[:-8]), "has 328 bytes, the size of the map asks for 336"),
+    "too long": (x3p(INDEX, DATA + b"\0"), "has 337 bytes"),
+    "claims 1e12": (x3p(x3p_index(10**6, 10**6), b""), "exceeds the limit"),
+    "negative size": (x3p(x3p_index(-7, 6), DATA), "got '-7'"),
+    "layers": (x3p(INDEX.replace("SizeZ>1", "SizeZ>2"), DATA), "holds 2 layers"),
+    "no type": (x3p(INDEX.replace("<DataType>D", "<DataType>Q"), DATA), "one of I, L, F, D, got 'Q'"),
+    "no increment": (x3p(INDEX.replace("1e-6", "fast"), DATA), "must be a number, got 'fast'"),
+    "nan increment": (x3p(INDEX.replace("1e-6", "nan", 1), DATA), "pixel_size must lie in"),
+    "scattered": (x3p(INDEX.replace("<AxisType>I", "<AxisType>A"), DATA), "not equally spaced"),
+    "points as text": (x3p(INDEX.replace("PointDataLink", "DataList"), DATA), "not as a binary matrix"),
+    "a path": (x3p(INDEX.replace("bindata/data.bin", "../../etc/passwd"), DATA), "no member"),
 }
 
 
-@pytest.mark.parametrize("case", OTHER)
-def test_other_formats(tmp_path, case):
-    pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
-    content, message = OTHER[case]
+@pytest.mark.parametrize("case", X3P)
+def test_x3p(tmp_path, case):
+    content, message = X3P[case]
     (tmp_path / "map.x3p").write_bytes(content)
     check_refused(tmp_path / "map.x3p", message)
 
 
+@pytest.mark.parametrize(("code", "dtype"), [("I", "<i2"), ("L", "<i4"), ("F", "<f4"), ("D", "<f8")])
+def test_types_and_mask_of_x3p(tmp_path, code, dtype):
+    heights = np.arange(42, dtype=dtype).reshape(6, 7)
+    valid = heights % 5 != 3
+    index = x3p_index(7, 6).replace(
+        "<AxisType>A</AxisType><DataType>D", f"<AxisType>A</AxisType><DataType>{code}"
+    )
+    index = index.replace("</DataLink>", "<ValidPointsLink>bindata/valid.bin</ValidPointsLink></DataLink>")
+    mask = np.packbits(valid.ravel(), bitorder="little").tobytes()
+    members = {"main.xml": index, "bindata/data.bin": heights.tobytes(), "bindata/valid.bin": mask}
+    (tmp_path / "map.x3p").write_bytes(archive(members))
+    surface = mf.read_surface(tmp_path / "map.x3p")
+    assert np.array_equal(surface.mask, valid)
+    assert surface.heights[valid] == pytest.approx(1e-6 * heights[valid].astype(float), rel=1e-15)
+
+
+def test_other_formats(tmp_path):
+    pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
+    (tmp_path / "map.opd").write_bytes(b"hello, world\n" * 50)
+    check_refused(tmp_path / "map.opd", "not a height map in a format")
+
+
 def test_a_valid_x3p_of_our_own(tmp_path):
     """So that the refusals above are for the reason that they state."""
-    pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
-    (tmp_path / "map.x3p").write_bytes(x3p(x3p_index(7, 6), HEIGHTS.tobytes()))
+    (tmp_path / "map.x3p").write_bytes(x3p(INDEX, DATA))
     surface = mf.read_surface(tmp_path / "map.x3p")
     assert surface.heights == pytest.approx(1e-6 * HEIGHTS, rel=1e-15)  # the increment of CZ
     assert surface.pixel_size == pytest.approx((1e-6, 1e-6))
@@ -306,9 +344,9 @@ def test_a_reader_that_hangs_or_dies_is_one_sentence(tmp_path, monkeypatch):
     pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
     from microfacet._surface import library
 
-    (tmp_path / "map.x3p").write_bytes(b"anything")
+    (tmp_path / "map.opd").write_bytes(b"anything")
     monkeypatch.setattr(library, "TIMEOUT", 0.05)
-    check_refused(tmp_path / "map.x3p", "longer than 0.05 seconds")
+    check_refused(tmp_path / "map.opd", "longer than 0.05 seconds")
     monkeypatch.setattr(library, "TIMEOUT", 60.0)
     monkeypatch.setattr(library, "_BASE_BYTES", 2**26)  # not enough to start the library
-    check_refused(tmp_path / "map.x3p", "memory|cannot be read")
+    check_refused(tmp_path / "map.opd", "memory|cannot be read")

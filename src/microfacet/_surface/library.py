@@ -43,7 +43,7 @@ def read(file: Path, channel: int | str | None, bytes_to_read: int) -> LibraryMa
     """Read `file` with SurfaceTopography; `SurfaceError` when it cannot, for whatever reason."""
     if not _installed():
         raise SurfaceError(
-            "only .npy and .npz are read without SurfaceTopography, install it with: "
+            "only .npy, .npz and .x3p are read without SurfaceTopography, install it with: "
             "pip install 'microfacet[surface]'"
         )
     request = {

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet._surface import library, numpy_files
+from microfacet._surface import library, numpy_files, x3p
 from microfacet._surface.surface import METRES_PER_UNIT, Surface, SurfaceError, pixel_sizes
 
 __all__ = ["MAX_FILE_BYTES", "read_surface"]
@@ -30,10 +30,11 @@ def read_surface(
 ) -> Surface:
     """Read a measured height map.
 
-    ``.npy`` and ``.npz`` are read here, never unpickling anything; every other format (``.x3p``, Bruker
-    ``.di`` and ``.spm``, Park ``.tiff``, Wyko ``.opd``, ``.sur``, ``.al3d``, ``.gwy``, …, about 40) by
-    SurfaceTopography, the optional extra ``microfacet[surface]``, in a process of its own with bounded memory
-    and time. What is not finite in the file or marked as invalid there becomes a masked pixel.
+    ``.npy`` and ``.npz`` (never unpickling anything) and ``.x3p`` (ISO 25178-72, a matrix of binary heights)
+    are read here; every other format (Bruker ``.di`` and ``.spm``, Park ``.tiff``, Wyko ``.opd``, ``.sur``,
+    ``.al3d``, ``.gwy``, …, about 40) by SurfaceTopography, the optional extra ``microfacet[surface]``, in a
+    process of its own with bounded memory and time. What is not finite in the file or marked as invalid there
+    becomes a masked pixel.
 
     Parameters
     ----------
@@ -85,6 +86,8 @@ def read_surface(
             surface = _from_npz(file, channel, size, unit)
         elif file.suffix.lower() == ".npy" or numpy_files.is_npy(file):
             surface = _from_npy(file, channel, size, unit)
+        elif file.suffix.lower() == ".x3p":
+            surface = _from_x3p(file, channel, size, unit)
         else:
             surface = _from_library(file, channel, size, unit)
         if np.ptp(surface.heights[surface.mask]) == 0:
@@ -153,6 +156,16 @@ def _npz_channel(names: list[str], channel: int | str | None) -> str:
         return others[0]
     found = ", ".join(sorted(names)[:10]) or "nothing"
     raise SurfaceError(f"there is no array {wanted!r} (found: {found}), name the heights with channel=")
+
+
+def _from_x3p(
+    file: Path, channel: int | str | None, size: tuple[float, float] | None, unit: str | None
+) -> Surface:
+    if channel not in (None, 0):
+        raise SurfaceError(f"a .x3p file holds one map, so there is no channel {channel!r}")
+    heights, stated = x3p.read_x3p(file)
+    steps = () if size is None else ("pixel size given by the caller",)
+    return _surface(file, heights, size or stated, _agreed_unit("m", unit) or "m", steps)
 
 
 def _from_library(
