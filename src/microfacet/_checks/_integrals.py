@@ -34,7 +34,7 @@ def normalization(within: Form | None = None, **entry: Any) -> Check:
         r"\int_0^1 2 \pi u\, D(u)\, du = 1",
         sides,
         QUADRATURE_OVER_U,
-        **_where_cosines_resolve(entry),
+        **where_cosines_resolve(entry),
     )
 
 
@@ -124,7 +124,7 @@ def sigma_delta(within: Form | None = None, **entry: Any) -> Check:
         r" + 2 u u_i \arccos\frac{-u u_i}{\sqrt{1-u^2}\sqrt{1-u_i^2}}\right] du_i",
         sides,
         QUADRATURE_OVER_U,
-        **_where_cosines_resolve(entry),
+        **where_cosines_resolve(entry),
     )
 
 
@@ -155,7 +155,7 @@ def sampling(draw: Form, latex: str, within: Form | None = None, **entry: Any) -
         latex,
         sides,
         HISTOGRAM,
-        **_where_cosines_resolve(entry),
+        **where_cosines_resolve(entry),
     )
 
 
@@ -182,7 +182,7 @@ def survival(form: Form, latex: str, **entry: Any) -> Check:
     )
 
 
-def _where_cosines_resolve(entry: dict[str, Any]) -> dict[str, Any]:
+def where_cosines_resolve(entry: dict[str, Any]) -> dict[str, Any]:
     """The entry, restricted to roughnesses whose normals differ in their cosines, which are doubles."""
     given = entry.get("unless", lambda *parameters: "")
 
