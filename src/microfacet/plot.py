@@ -125,7 +125,7 @@ def joint(
     values = np.asarray(ndf.P22(p, 0.0), dtype=float)
     ax = _draw(ax, ndf, p, values, line)
     ax.set(xlabel="slope $p$", ylabel=r"$P_{22}(p, 0)$", xlim=(p[0], p[-1]))
-    return _logarithmic(ax, values, 6) if log else ax
+    return _logarithmic(ax, values, 6) if log else _peak_cut(ax, p, values)
 
 
 def marginal(
@@ -136,7 +136,7 @@ def marginal(
     values = np.asarray(ndf.P2(p), dtype=float)
     ax = _draw(ax, ndf, p, values, line)
     ax.set(xlabel="slope $p$", ylabel="$P_2(p)$", xlim=(p[0], p[-1]))
-    return _logarithmic(ax, values, 6) if log else ax
+    return _logarithmic(ax, values, 6) if log else _peak_cut(ax, p, values)
 
 
 def sigma(
@@ -273,4 +273,12 @@ def _logarithmic(ax: Axes, values: Array, decades: int) -> Axes:
     top = float(seen.max()) if fresh else max(float(seen.max()), ax.get_ylim()[1] / 2.0)
     bottom = max(float(seen.min()), top * 10.0**-decades)
     ax.set_ylim(bottom if fresh else min(bottom, ax.get_ylim()[0]), 2.0 * top)
+    return ax
+
+
+def _peak_cut(ax: Axes, p: Array, values: Array) -> Axes:
+    """Ordinate from 0. A singular peak is cut at thrice the density beside it, or it would hide the rest."""
+    beside = float(values[np.abs(p) > 0.03 * p[-1]].max())
+    top = min(1.05 * float(values[np.isfinite(values)].max()), 3.0 * beside)
+    ax.set_ylim(0.0, top if len(ax.lines) < 2 else max(top, ax.get_ylim()[1]))
     return ax
