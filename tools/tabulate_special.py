@@ -65,6 +65,8 @@ ORDERS = [
         (-0.45, -0.25, 0, 0.3, 0.5, 0.8, 1, 1.5, 2.3, 10, 60.7, 149.5), (0.001, 0.2, 1, 1.5, 6, 30, 300)
     )
 ]
+# Where orders are Debye's expansion; y up to where h_nu is 1e-6 of its value at 0.
+LARGE_ORDERS = [(nu, c * nu**0.5) for nu, c in product((500, 512.25, 1e4, 1e6), (0.01, 0.5, 2, 3.75))]
 IN_TAIL = [(k, t * max(1.0, min(2.0, 0.5 * k) ** 0.5)) for k, t in product(SHAPES, (1.01, 2, 5))]
 IN_CENTRE = [(k, t * min(2.0, 0.5 * k) ** 0.5) for k, t in product(SHAPES, (1e-4, 0.3, 0.7, 0.99))]
 
@@ -95,6 +97,9 @@ TABLES: dict[str, tuple[Function, Iterable[Sequence[float]]]] = {
         lambda nu, y: 1 - h(nu + 1, y) * mpmath.rgamma(nu + 1),
         [(nu, y) for nu, y in ORDERS if y < 10],
     ),
+    "debye_below": (lambda nu, y: y * y * h(nu - 1, y) * mpmath.rgamma(nu + 1), LARGE_ORDERS),
+    "debye_at": (lambda nu, y: h(nu, y) * mpmath.rgamma(nu + 1), LARGE_ORDERS),
+    "debye_above": (lambda nu, y: h(nu + 1, y) * mpmath.rgamma(nu + 2), LARGE_ORDERS),
     "student_tail": (tail, IN_TAIL),
     "student_centre": (centre, IN_CENTRE),
     "student_excess": (excess, [(k, t) for k, t in IN_TAIL if k > 0.5]),

@@ -1,5 +1,7 @@
 // The special functions against the table of tools/tabulate_special.py, in double and float.
 
+#include <cmath>
+
 #include "check.hpp"
 #include "microfacet/special/bessel.hpp"
 #include "microfacet/special/erf.hpp"
@@ -55,6 +57,10 @@ void bessel_functions() {
   COMPARE(bessel_below, few, [](T nu, T y) { return orders(nu, y).below; });
   COMPARE(bessel_at, few, [](T nu, T y) { return orders(nu, y).at; });
   COMPARE(bessel_above, few, [](T nu, T y) { return orders(nu, y).above; });
+  const auto times = [](T value, T exponent) { return value * std::exp(exponent); };
+  COMPARE(debye_below, many, [&](T nu, T y) { return times(orders(nu, y).below, orders(nu, y).exponent); });
+  COMPARE(debye_at, many, [&](T nu, T y) { return times(orders(nu, y).at, orders(nu, y).exponent); });
+  COMPARE(debye_above, many, [&](T nu, T y) { return times(orders(nu, y).above, orders(nu, y).exponent); });
   COMPARE(bessel_complement_above, many, [](T nu, T y) { return orders(nu, y).complement_above; });
 }
 
