@@ -350,3 +350,9 @@ def test_a_reader_that_hangs_or_dies_is_one_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(library, "TIMEOUT", 60.0)
     monkeypatch.setattr(library, "_BASE_BYTES", 2**26)  # not enough to start the library
     check_refused(tmp_path / "map.opd", "memory|cannot be read")
+
+
+def test_heights_whose_squares_overflow_are_one_sentence(tmp_path):
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(20, 20))
+    np.save(tmp_path / "huge.npy", 1e308 * signs)
+    check_refused(tmp_path / "huge.npy", r"heights must lie in \[-1e30, 1e30\] metres", pixel_size=1e-6)

@@ -15,7 +15,7 @@ __all__ = ["replacing"]
 @contextmanager
 def replacing(path: str | Path) -> Iterator[BinaryIO]:
     """A binary stream whose content takes the place of `path` once the block ends without an error."""
-    target = Path(path)
+    target = Path(os.path.realpath(path))  # a link keeps pointing to what it names
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -82,6 +82,8 @@ def report(
 
     if surface and terrain:
         raise click.UsageError("--surface and --terrain exclude each other")
+    if not surface and any(value is not None for value in reading.values()):
+        raise click.UsageError("--channel, --pixel-size, --unit and --lag go with --surface")
     measured = surfaces.load(surface, **reading) if surface else mf.sample_terrain() if terrain else None
     with progress() as tell:
         result = build(output, families or None, parameters, measured, tell, quick)
@@ -96,7 +98,11 @@ def report(
 
 
 @main.command()
-@click.option("--grid", is_flag=True, help="Check over a grid of the whole domain; takes minutes.")
+@click.option(
+    "--grid",
+    is_flag=True,
+    help="Check over a grid of the whole domain (a minute or two); the table shows each check's worst point.",
+)
 @families_option
 @click.option("--id", "ids", multiple=True, metavar="ID", help="This check, such as k0.sampling; repeatable.")
 @parameter_options
@@ -156,7 +162,7 @@ def evaluate(
     """Evaluate QUANTITY of FAMILY at VALUES, or at the lines of stdin where VALUES is "-".
 
     QUANTITY is D, P22, P2, slope_cdf, sigma, Lambda, G1, survival, sample_slope or sample_u. P22 takes pairs
-    of slopes: 0.1,0.2.
+    of slopes: 0.1,0.2. JSON has no inf and no nan: with --json they become null.
 
     \b
     Examples:

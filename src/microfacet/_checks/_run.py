@@ -12,6 +12,10 @@ from microfacet._checks._check import Check, CheckItem, CheckResult
 TABLES = {module.FAMILY: module for module in (_beckmann, _gtr, _student_t, _k0, _bessel_k, _ggx)}
 
 
+#: What the second routes have been made for, the contract's ranges with room; beyond, a failure says nothing.
+COVERED = {"alpha": (1e-6, 1e3), "gtr.gamma": (0.01, 50.0), "student_t.gamma": (1.0, 1e6), "a": (0.01, 1e4)}
+
+
 def catalogue() -> tuple[CheckItem, ...]:
     """Every check there is, family by family.
 
@@ -44,7 +48,8 @@ def run(
     Raises
     ------
     ValueError
-        At the call, not later: an unknown id, family or parameter; a parameter outside a family's domain.
+        At the call, not later: an unknown id, family or parameter; a parameter outside a family's domain or
+        outside what the checks cover (`COVERED`).
 
     Examples
     --------
@@ -98,6 +103,10 @@ def _validate(overrides: Mapping[str, float], families: Iterable[str]) -> None:
                 if not domain.lower < value < domain.upper:
                     interval = f"({domain.lower:g}, {domain.upper:g})"
                     raise ValueError(f"{family}: {name} must lie in {interval}, got {value:g}")
+                lowest, highest = COVERED.get(f"{family}.{name}") or COVERED[name]
+                if not lowest <= value <= highest:
+                    covered = f"[{lowest:g}, {highest:g}]"
+                    raise ValueError(f"the checks of {family} cover {name} in {covered}, got {value:g}")
 
 
 def _results(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -22,6 +23,9 @@ class Program(click.Group):
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and turn the errors that a user can cause into exit statuses."""
         options["standalone_mode"] = False
+        _stand_in_for_closed_streams()
+        # Terminated from outside, the blocks that clean up after themselves shall still end.
+        before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
         try:
             status = super().main(*args, **options)
         except click.ClickException as error:
@@ -32,6 +36,8 @@ class Program(click.Group):
             _fail(str(error))
         except OSError as error:
             _fail(": ".join(str(part) for part in (error.filename, error.strerror or error) if part))
+        finally:
+            signal.signal(signal.SIGTERM, before)
         sys.exit(status if isinstance(status, int) else 0)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -43,6 +49,13 @@ class Program(click.Group):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             ctx.exit(141)  # 128 + SIGPIPE, what a shell reports
         return value
+
+
+def _stand_in_for_closed_streams() -> None:
+    """A stream that the caller has closed is None in Python; an empty one does what is meant."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115  # for as long as the process lives
 
 
 def _fail(message: str) -> NoReturn:

@@ -108,6 +108,8 @@ def summary(items: Sequence[CheckItem], results: Sequence[CheckResult]) -> list[
         ids = [item.id for item in items if item.notebook == notebook and item.id in held]
         if ids:
             lines.append(f"{sum(held[name] for name in ids)} of {len(ids)} {kind} checks hold")
+    if len(results) > len(held):
+        lines.insert(0, f"{len(results)} points; the table shows the worst of each check")
     return lines
 
 

@@ -120,7 +120,9 @@ def _from_npy(
     if channel is not None:
         raise SurfaceError(f"a .npy file holds one array, so there is no channel {channel!r}")
     if size is None:
-        raise SurfaceError("a .npy file does not state the pixel size, give pixel_size=(dx, dy) in metres")
+        raise SurfaceError(
+            "a .npy file does not state the pixel size, give pixel_size (--pixel-size) in metres"
+        )
     return _surface(file, numpy_files.read_npy(file), size, unit or "m", ("pixel size given by the caller",))
 
 
@@ -138,7 +140,7 @@ def _from_npz(
             stated = np.array([arrays["dx"].item(), arrays["dy"].item()])
         if stated is None:
             raise SurfaceError(
-                "the file states neither pixel_size nor dx and dy, give pixel_size=(dx, dy) in metres"
+                "the file states neither pixel_size nor dx and dy, give pixel_size (--pixel-size) in metres"
             )
         size = _in_metres(pixel_sizes(stated), unit)
     return _surface(file, arrays[wanted], size, unit, steps, arrays.get("mask"))
@@ -185,7 +187,7 @@ def _from_library(
     elif found.pixel_size is not None:
         size = _in_metres(found.pixel_size, unit)
     else:
-        raise SurfaceError("the file does not state its pixel size, give pixel_size=(dx, dy) in metres")
+        raise SurfaceError("the file does not state its pixel size, give pixel_size (--pixel-size) in metres")
     return _surface(file, found.heights, size, unit, steps)
 
 

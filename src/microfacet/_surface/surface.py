@@ -80,6 +80,8 @@ class Surface:
     def __post_init__(self) -> None:
         heights = _height_array(self.heights)
         valid = np.isfinite(heights)
+        if np.abs(heights, where=valid, out=np.zeros_like(heights)).max() > 1e30:  # squares must stay finite
+            raise SurfaceError("heights must lie in [-1e30, 1e30] metres")
         if isinstance(self.heights, np.ma.MaskedArray):
             valid &= ~np.ma.getmaskarray(self.heights)
         if self.mask is not None:
