@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -242,3 +243,17 @@ def test_samples_follow_the_density(family: Any) -> None:
     counts, *_ = np.histogram2d(rank, np.arctan2(q, p), bins=(12, 10), range=((0, 1), (-np.pi, np.pi)))
     assert counts.sum() == len(m)
     assert stats.chisquare(counts.ravel()).pvalue > 1e-4
+
+
+@pytest.mark.parametrize("z", [0.5, 1e-4, 1e-6, 1e-9, 1e-12])
+def test_transmission_keeps_its_digits_at_grazing_angles(z: float) -> None:
+    """Euler's Beta function where one Lambda is huge, against arbitrary precision."""
+    ndf, wi, wo = mf.GGX(alpha=3.0), [1.0, 0.0, z], [0.6, 0.0, -0.8]
+    with mpmath.workdps(40):
+        lambdas = [mpmath.mpf(float(ndf.Lambda(w))) for w in (wi, [0.6, 0.0, 0.8])]
+        expected = float(mpmath.beta(1 + lambdas[0], 1 + lambdas[1]))
+    assert_allclose(ndf.G2(wi, wo), expected, rtol=2e-13)
+
+
+def test_uniform_numbers_lie_below_one() -> None:
+    assert np.isnan(mf.GGX(alpha=0.3).sample([[1.0, 0.5], [0.5, 1.0], [-0.1, 0.5], [0.5, -0.1]])).all()

@@ -29,7 +29,7 @@ def _number(owner: str, name: str, value: object, lower: float, upper: float) ->
         if isinstance(value, str | bytes):
             raise TypeError
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(
             f"{owner}: {name} must be a number in ({lower:g}, {upper:g}), got {value!r}"
         ) from None

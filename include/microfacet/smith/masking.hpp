@@ -41,7 +41,7 @@ T G1(const Family& family, const T& c, const T& s) {
 template <class T, class Mask>
 T G2_correlated(const T& lambda_i, const T& lambda_o, const Mask& transmitted) {
   const T reflected = T(1) / (T(1) + lambda_i + lambda_o);
-  const T finite_i = minimum(lambda_i, T(1e15)), finite_o = minimum(lambda_o, T(1e15));
+  const T finite_i = minimum(lambda_i, T(1e30)), finite_o = minimum(lambda_o, T(1e30));
   return select(transmitted, beta_one_plus(finite_i, finite_o), reflected);
 }
 

@@ -38,7 +38,7 @@ T cosine_of_slope(const T& slope) {
 
 template <class Family, class T, class Shape>
 vec3<T> sample_normal(const ndf<Family, T, Shape>& distribution, const T& xi_radius, const T& xi_azimuth) {
-  const auto valid = (xi_radius >= T(0)) & (xi_radius < T(1)) & (xi_azimuth >= T(0)) & (xi_azimuth <= T(1));
+  const auto valid = (xi_radius >= T(0)) & (xi_radius < T(1)) & (xi_azimuth >= T(0)) & (xi_azimuth < T(1));
   const T radius = sample_radius(distribution.family(), where(valid, xi_radius));
   const T azimuth = T(2 * pi) * xi_azimuth;
   // Minus the slopes, so that 2 pi xi is the azimuth of the normal; the density is symmetric.

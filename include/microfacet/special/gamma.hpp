@@ -42,23 +42,30 @@ T gamma_half_step(const T& k) {
   return numerator / denominator * polynomial(series, T(T(1) / (w * w))) * sqrt(w / k);
 }
 
-// log Gamma(x), x >= 1, by Stirling's series after a shift.
+namespace detail {
+// log Gamma(x) - (x - 1/2) log(x) + x - log(2 pi)/2 for x >= 10: Stirling's series.
 template <class T>
-T log_gamma(const T& x) {
-  constexpr int shift = 9;
+T stirling_remainder(const T& x) {
   constexpr std::array<double, 7> series{1.0 / 12,   -1.0 / 360,      1.0 / 1260, -1.0 / 1680,
                                          1.0 / 1188, -691.0 / 360360, 1.0 / 156};
-  T product(1);
-  for (int i = 0; i < shift; ++i) product = product * ((x + T(i)) / (x + T(shift)));
-  const T z = x + T(shift), w = T(1) / z;
-  return (z - T(0.5)) * log(z) - z + T(0.91893853320467274178) + w * polynomial(series, T(w * w)) -
-         log(product) - T(shift) * log(z);
+  return polynomial(series, T(T(1) / (x * x))) / x;
 }
+}  // namespace detail
 
-// Euler's Beta function B(1 + a, 1 + b) for a, b >= 0.
+// Euler's Beta function B(1 + a, 1 + b) for a, b >= 0, also where one of them is huge: Stirling's formula for
+// p + n, q + n with its large terms cancelled by hand, and the recurrence back to p, q.
 template <class T>
 T beta_one_plus(const T& a, const T& b) {
-  return exp(log_gamma(T(T(1) + a)) + log_gamma(T(T(1) + b)) - log_gamma(T(T(2) + a + b)));
+  constexpr int shift = 9;
+  T p = T(1) + maximum(a, b), q = T(1) + minimum(a, b), sum = p + q, log_ratio(0);
+  for (int i = 0; i < shift; ++i) {
+    log_ratio = log_ratio + log(((sum + T(2 * i)) / (p + T(i))) * ((sum + T(2 * i + 1)) / (q + T(i))));
+  }
+  p = p + T(shift), q = q + T(shift), sum = p + q;
+  const T remainder =
+      detail::stirling_remainder(p) + detail::stirling_remainder(q) - detail::stirling_remainder(sum);
+  return exp(log_ratio + T(0.91893853320467274178) - (p - T(0.5)) * log1p(q / p) + q * log(q / sum) -
+             T(0.5) * log(q) + remainder);
 }
 
 }  // namespace microfacet
