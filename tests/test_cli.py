@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -372,13 +371,6 @@ def test_options_are_explained(run: Run) -> None:
                 assert parameter.help, f"{name} {parameter.name}"
 
 
-def test_closed_streams_are_no_traceback() -> None:
-    shell = f'{sys.executable} -c "from microfacet.cli import main; main()"'
-    for line in (f"{shell} eval ggx D - --alpha 0.3 <&-", f"{shell} families >&-"):
-        done = subprocess.run(["bash", "-c", line], capture_output=True, text=True)
-        assert (done.returncode, done.stderr) == (0, "")
-
-
 def test_verify_refuses_what_its_checks_do_not_cover(run: Run) -> None:
     result = run("verify", "--alpha", "1e300", "--family", "ggx")
     assert result.exit_code == 2
@@ -389,16 +381,3 @@ def test_report_refuses_options_of_a_surface_without_one(run: Run) -> None:
     result = run("report", "--quick", "--lag", "3", "--family", "ggx")
     assert result.exit_code == 2
     assert "go with --surface" in result.stderr
-
-
-def test_a_terminated_sample_leaves_no_part(tmp_path: Path) -> None:
-    code = "from microfacet.cli import main; main()"
-    arguments = ["sample", "ggx", "--alpha", "0.3", "-n", "500000000", "-o", str(tmp_path / "b.npy")]
-    process = subprocess.Popen([sys.executable, "-c", code, *arguments], stderr=subprocess.DEVNULL)
-    for _ in range(600):
-        if list(tmp_path.iterdir()):
-            break
-        time.sleep(0.05)
-    process.terminate()
-    assert process.wait(timeout=60) == 143
-    assert not list(tmp_path.iterdir())

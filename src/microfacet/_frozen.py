@@ -8,19 +8,11 @@ broadcast against each other; float32 in, float32 out.
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
 __all__ = ["Distribution", "IsotropicDistribution", "StretchedDistribution"]
-
-
-class Kernels(Protocol):
-    """What a family's namespace in the compiled core offers beside its ufuncs."""
-
-    parameters: tuple[tuple[str, float, float, float], ...]
-    sources: tuple[str, ...]
-    shape_invariant: bool
 
 
 def _number(owner: str, name: str, value: object, lower: float, upper: float) -> float:
@@ -47,9 +39,6 @@ class Distribution:
     _values: tuple[float, ...]
 
     __slots__ = ("_values",)
-
-    def __new__(cls, *args: object, **kwargs: object) -> Self:
-        return super().__new__(cls)
 
     def _freeze(self, values: tuple[float, ...]) -> None:
         object.__setattr__(self, "_values", values)

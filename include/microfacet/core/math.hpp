@@ -5,7 +5,7 @@
 // array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no
 // `if` on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
 // any(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes a
-// result.
+// result beyond rounding.
 #pragma once
 
 #include <cmath>
