@@ -63,8 +63,18 @@ format: $(VENV)/.lint  ## ruff and clang-format: mend what they can
 	$(BIN)/ruff format .
 	$(BIN)/clang-format -i $(CXX_CODE)
 
+##@ Measure
+
+bench: $(VENV)/.package $(VENV)/.bench  ## speed beside copy, exp, SciPy, Mitsuba; writes docs/performance.md (ARGS=--help)
+	$(BIN)/python -m benchmarks run $(ARGS)
+
+bench-check: $(VENV)/.package  ## no kernel has become half as fast as benchmarks/thresholds.toml says it was
+	$(BIN)/python -m benchmarks check $(ARGS)
+
 docs-accuracy: $(VENV)/.package $(VENV)/.test  ## measure the accuracy again and write docs/accuracy.md
 	$(BIN)/python tools/measure_accuracy.py
+
+##@ Other
 
 clean:  ## remove all that make made
 	rm -rf "$(VENV)" "$(BUILD)" report.html .mypy_cache .ruff_cache .pytest_cache .hypothesis
@@ -103,8 +113,12 @@ $(VENV)/.test: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group test -r $(call requirements,project optional-dependencies surface)
 	@touch $@
 
+$(VENV)/.bench: pyproject.toml | $(VENV)/.venv
+	$(PIP) install --group bench
+	@touch $@
+
 $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group lint
 	@touch $@
 
-.PHONY: report install test test-cpp sanitize headers lint format docs-accuracy clean help
+.PHONY: report install test test-cpp sanitize headers lint format bench bench-check docs-accuracy clean help

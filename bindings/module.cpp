@@ -1,7 +1,15 @@
-// microfacet._core: one namespace per family, each with its ufuncs and the facts its header states.
+// One namespace per family, each with its ufuncs and the facts its header states. This file is compiled once for
+// each instruction set, as a module of its own (MICROFACET_MODULE), so that no inline function of one build can
+// stand in for another's; microfacet._core chooses.
 #define MICROFACET_IMPORT_NUMPY
+#include <string>
+
 #include "microfacet/family/all.hpp"
 #include "operations.hpp"
+
+#define MICROFACET_TEXT_OF(MODULE) #MODULE
+#define MICROFACET_TEXT(MODULE) MICROFACET_TEXT_OF(MODULE)
+#define MICROFACET_NAME MICROFACET_TEXT(MICROFACET_MODULE)
 
 namespace microfacet::bindings {
 namespace {
@@ -30,12 +38,13 @@ PyObject* sources() {
   return list;
 }
 
-template <class Family>
+template <class Tag>
 bool add_family(PyObject* module) {
+  using Family = typename Tag::template type<double>;
   const std::string name(Family::name);
-  PyObject* space = PyModule_New(("microfacet._core." + name).c_str());
+  PyObject* space = PyModule_New(("microfacet._core." MICROFACET_NAME "." + name).c_str());
   if (space == nullptr) return false;
-  const bool complete = add_operations<Family>(space) && add(space, "parameters", parameters<Family>()) &&
+  const bool complete = add_operations<Tag>(space) && add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
                         add(space, "shape_invariant", PyBool_FromLong(Family::shape_invariant));
   if (!complete) {
@@ -45,18 +54,39 @@ bool add_family(PyObject* module) {
   return add(module, name.c_str(), space);
 }
 
+// exp itself through the same loops: what the kernels are measured against.
+struct exponential {
+  static constexpr const char* name = "exp";
+  static constexpr layout<1> shape{};
+  template <class Distribution, class T>
+  MICROFACET_INLINE static void apply(const Distribution&, const T* x, T* out) {
+    out[0] = elementary::exp(x[0]);
+  }
+};
+struct no_model {
+  struct family {
+    static constexpr bool native_float32 = true;
+  };
+  static constexpr std::size_t count = 0, scales = 0;
+  template <class Lanes>
+  static int make(const twofold<Lanes>*) {
+    return 0;
+  }
+};
+
 template <class... Tag>
 PyObject* add_families(PyObject* module, const std::tuple<Tag...>&) {
   PyObject* names = PyTuple_New(static_cast<Py_ssize_t>(sizeof...(Tag)));
   Py_ssize_t i = 0;
-  const bool complete = (add_family<typename Tag::template type<double>>(module) && ...);
+  const bool complete = (add_family<Tag>(module) && ...);
   (PyTuple_SET_ITEM(names, i++, text(Tag::template type<double>::name)), ...);
-  if (!complete || !add(module, "families", names)) return nullptr;
+  if (!complete || !add(module, "families", names) || !add_all<no_model, false, exponential>(module, ""))
+    return nullptr;
   return module;
 }
 
 PyModuleDef definition{PyModuleDef_HEAD_INIT,
-                       "microfacet._core",
+                       "microfacet._core." MICROFACET_NAME,
                        "Compiled kernels of microfacet.",
                        -1,
                        nullptr,
@@ -68,7 +98,9 @@ PyModuleDef definition{PyModuleDef_HEAD_INIT,
 }  // namespace
 }  // namespace microfacet::bindings
 
-PyMODINIT_FUNC PyInit__core() {
+#define MICROFACET_INIT_OF(MODULE) PyInit_##MODULE
+#define MICROFACET_INIT(MODULE) MICROFACET_INIT_OF(MODULE)
+PyMODINIT_FUNC MICROFACET_INIT(MICROFACET_MODULE)() {
   import_array();
   import_umath();
   PyObject* module = PyModule_Create(&microfacet::bindings::definition);

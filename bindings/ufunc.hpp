@@ -1,9 +1,8 @@
 // One family -> all its NumPy loops.
 //
-// A model turns a row of parameters into a distribution; an operation turns a distribution and a row of
-// values into a row of results. Their product is a ufunc (or, where values are directions, a generalised
-// ufunc) with float32 and float64 loops. float32 loops evaluate in float64 and round once, so that alpha =
-// 1e-4 and the far tails keep full accuracy.
+// A model turns lanes of parameters into distributions; an operation turns distributions and lanes of values
+// into lanes of results. Their product is a ufunc with float32 and float64 loops. What a float32 loop computes
+// in is the family's choice: float32 where its forms keep the accuracy contract in it, else float64.
 #pragma once
 
 #define PY_SSIZE_T_CLEAN
@@ -20,163 +19,230 @@
 
 #include <algorithm>
 #include <array>
-#include <cfenv>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 
+#include "lanes.hpp"
 #include "microfacet/core/vec.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/sample_normal.hpp"
 
 namespace microfacet::bindings {
 
-// Kernels compute with nan and inf on purpose: the floating-point flags they raise are not the caller's.
-class quiet_floating_point {
- public:
-  quiet_floating_point() { std::feholdexcept(&environment_); }
-  ~quiet_floating_point() { std::fesetenv(&environment_); }
-  quiet_floating_point(const quiet_floating_point&) = delete;
-  quiet_floating_point& operator=(const quiet_floating_point&) = delete;
-
- private:
-  std::fenv_t environment_;
-};
-
-template <class Family, std::size_t... I>
-Family make_family(const double* shape, std::index_sequence<I...>) {
-  return Family(shape[I]...);
+// Families by the lanes they compute on.
+template <class Tag, class Lanes, std::size_t... I>
+typename Tag::template type<Lanes> make_family(const twofold<Lanes>* shape, std::index_sequence<I...>) {
+  return typename Tag::template type<Lanes>(shape[I].high...);
 }
 
-// Parameters alpha, then the family's own: the distributions of the elementwise functions.
-template <class Family>
+// Parameters alpha, then the family's own.
+template <class Tag>
 struct isotropic_model {
-  static constexpr std::size_t shape_parameters = Family::parameters.size();
-  static constexpr std::size_t count = 1 + shape_parameters;
-  using distribution = ndf<Family, double, isotropic_shape<double>>;
+  using family = typename Tag::template type<double>;
+  static constexpr std::size_t shape_parameters = family::parameters.size();
+  static constexpr std::size_t count = 1 + shape_parameters, scales = 1;
+  template <class Lanes>
+  using distribution = ndf<typename Tag::template type<Lanes>, Lanes, isotropic_shape<Lanes>>;
 
-  static distribution make(const double* p) {
-    if constexpr (Family::shape_invariant) {
-      return {make_family<Family>(p + 1, std::make_index_sequence<shape_parameters>()),
-              isotropic_shape<double>(p[0])};
+  template <class Lanes>
+  static distribution<Lanes> make(const twofold<Lanes>* p) {
+    if constexpr (family::shape_invariant) {
+      return {make_family<Tag>(p + 1, std::make_index_sequence<shape_parameters>()),
+              isotropic_shape<Lanes>(p[0])};
     } else {
-      return {make_family<Family>(p, std::make_index_sequence<count>()), isotropic_shape<double>(1.0)};
+      return {make_family<Tag>(p, std::make_index_sequence<count>()), isotropic_shape<Lanes>(Lanes(1))};
     }
   }
 };
 
-// Parameters alpha_x, alpha_y, rotation, then the family's own: the distributions of the frozen classes.
-template <class Family>
+// Parameters alpha_x, alpha_y, rotation, then the family's own.
+template <class Tag>
 struct stretched_model {
-  static constexpr std::size_t shape_parameters = Family::parameters.size();
-  static constexpr std::size_t count = 3 + shape_parameters;
-  using distribution = ndf<Family, double, anisotropic_shape<double>>;
+  using family = typename Tag::template type<double>;
+  static constexpr std::size_t shape_parameters = family::parameters.size();
+  static constexpr std::size_t count = 3 + shape_parameters, scales = 2;
+  template <class Lanes>
+  using distribution = ndf<typename Tag::template type<Lanes>, Lanes, anisotropic_shape<Lanes>>;
 
-  static distribution make(const double* p) {
-    return {make_family<Family>(p + 3, std::make_index_sequence<shape_parameters>()),
-            anisotropic_shape<double>(p[0], p[1], std::cos(p[2]), std::sin(p[2]))};
+  template <class Lanes>
+  static distribution<Lanes> make(const twofold<Lanes>* p) {
+    return {make_family<Tag>(p + 3, std::make_index_sequence<shape_parameters>()),
+            anisotropic_shape<Lanes>(p[0], p[1], each_lane(p[2], [](double x) { return std::cos(x); }),
+                                     each_lane(p[2], [](double x) { return std::sin(x); }))};
+  }
+
+ private:
+  template <class Lanes, class Function>
+  static Lanes each_lane(const twofold<Lanes>& x, const Function& function) {
+    using real = typename scalar_traits<Lanes>::real;
+    std::array<real, sizeof(Lanes) / sizeof(real)> high, low;
+    std::memcpy(high.data(), &x.high, sizeof x.high);
+    std::memcpy(low.data(), &x.low, sizeof x.low);
+    for (std::size_t i = 0; i < high.size(); ++i) high[i] = static_cast<real>(function(double(high[i]) + low[i]));
+    Lanes result;
+    std::memcpy(&result, high.data(), sizeof result);
+    return result;
   }
 };
 
-// A family that is no stretch of one density has no anisotropic form: its directions take alpha.
-template <class Family>
-using direction_model =
-    std::conditional_t<Family::shape_invariant, stretched_model<Family>, isotropic_model<Family>>;
-
-// The lengths of an operation's inputs and output; 0 stands for a scalar.
-template <std::size_t N>
+template <std::size_t Inputs, std::size_t Outputs = 1>
 struct layout {
-  std::array<int, N> inputs;
-  int output;
-
-  constexpr bool vectors() const {
-    return output > 0 || std::any_of(inputs.begin(), inputs.end(), [](int n) { return n > 0; });
-  }
-  constexpr int values() const {
-    int total = 0;
-    for (const int n : inputs) total += n > 0 ? n : 1;
-    return total;
-  }
+  static constexpr std::size_t inputs = Inputs, outputs = Outputs;
 };
 
 // WideParameters: parameters are float64 in the float32 loop too, as those of a frozen distribution are.
 template <class Model, class Operation, bool WideParameters>
 struct ufunc_loops {
-  static constexpr auto shape = Operation::shape;
-  static constexpr std::size_t value_inputs = shape.inputs.size();
-  static constexpr std::size_t inputs = value_inputs + Model::count;
+  static constexpr std::size_t values = Operation::shape.inputs, outputs = Operation::shape.outputs;
+  static constexpr std::size_t inputs = values + Model::count;
 
-  template <class T>
-  static void loop(char** args, const npy_intp* dimensions, const npy_intp* steps, void*) {
-    const quiet_floating_point guard;
-    std::array<double, shape.values()> values{};
-    std::array<double, Model::count> parameters{}, previous{};
-    std::array<double, shape.output + 1> results{};
-    std::optional<typename Model::distribution> distribution;
-    for (npy_intp i = 0; i < dimensions[0]; ++i) {
-      const npy_intp* core = steps + inputs + 1;  // strides inside vectors follow those of the arguments
-      double* value = values.data();
-      for (std::size_t a = 0; a < value_inputs; ++a) {
-        const char* source = args[a] + i * steps[a];
-        if (shape.inputs[a] == 0) {
-          *value++ = load<T>(source);
-        } else {
-          for (int k = 0; k < shape.inputs[a]; ++k) *value++ = load<T>(source + k * *core);
-          ++core;
-        }
+  template <class Compute>
+  using distribution = decltype(Model::make(static_cast<const twofold<lanes<Compute>>*>(nullptr)));
+
+  // The distribution of parameters that are the same for all elements, with all digits of what is stored.
+  template <class Compute, class Stored>
+  static distribution<Compute> constant_distribution(char* const* args) {
+    return make_distribution<Compute>([&](std::size_t a) {
+      const Stored value = *reinterpret_cast<const Stored*>(args[values + a]);
+      const Compute high = static_cast<Compute>(value);
+      return twofold<lanes<Compute>>(lanes<Compute>(high), lanes<Compute>(static_cast<Compute>(value - high)));
+    });
+  }
+  template <class Compute, class Parameter>
+  MICROFACET_INLINE static distribution<Compute> make_distribution(const Parameter& parameter) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      const std::array<twofold<lanes<Compute>>, Model::count> p{parameter(I)...};
+      return Model::make(p.data());
+    }(std::make_index_sequence<Model::count>());
+  }
+
+  // One step of lanes of type Compute, from element i on.
+  template <class Compute>
+  MICROFACET_INLINE static void evaluate(const distribution<Compute>& d, const Compute* const* in,
+                                         Compute* const* out, npy_intp i) {
+    std::array<lanes<Compute>, values> x;
+    std::array<lanes<Compute>, outputs> y;
+    for (std::size_t a = 0; a < values; ++a) x[a] = load(in[a] + i);
+    Operation::apply(d, x.data(), y.data());
+    for (std::size_t a = 0; a < outputs; ++a) store(y[a], out[a] + i);
+  }
+  template <class Compute>
+  static void evaluate_constant(const distribution<Compute>& d, const Compute* const* in, Compute* const* out,
+                                npy_intp n) {
+    for (npy_intp i = 0; i < n; i += width<Compute>) evaluate<Compute>(d, in, out, i);
+  }
+  template <class Compute>
+  static void evaluate_varying(const Compute* const* in, Compute* const* out, npy_intp n) {
+    for (npy_intp i = 0; i < n; i += width<Compute>) {
+      const auto parameter = [&](std::size_t a) { return twofold<lanes<Compute>>(load(in[values + a] + i)); };
+      evaluate<Compute>(make_distribution<Compute>(parameter), in, out, i);
+    }
+  }
+
+  // Block by block, through buffers where arrays are not as the lanes want them.
+  template <class Compute, class T, class Evaluate>
+  static void in_blocks(char* const* args, const npy_intp* steps, npy_intp n, bool constant, const Evaluate& evaluate_block) {
+    using stored = std::conditional_t<WideParameters, double, T>;
+    std::array<buffer<Compute>, inputs + outputs> buffers;
+    std::array<const Compute*, inputs> in{};
+    std::array<Compute*, outputs> out{};
+    for (npy_intp first = 0; first < n; first += block) {
+      const npy_intp count = std::min<npy_intp>(block, n - first);
+      const auto direct = [&](std::size_t a) {
+        return std::is_same_v<T, Compute> && steps[a] == sizeof(T) && count % width<Compute> == 0;
+      };
+      const auto at = [&](std::size_t a) { return args[a] + first * steps[a]; };
+      for (std::size_t a = 0; a < (constant ? values : inputs); ++a) {
+        in[a] = buffers[a].data();
+        if (WideParameters && a >= values)
+          gather<stored>(at(a), steps[a], count, buffers[a]);
+        else if (direct(a))
+          in[a] = reinterpret_cast<const Compute*>(at(a));
+        else
+          gather<T>(at(a), steps[a], count, buffers[a]);
       }
-      for (std::size_t a = 0; a < Model::count; ++a) {
-        parameters[a] = load<std::conditional_t<WideParameters, double, T>>(args[value_inputs + a] +
-                                                                            i * steps[value_inputs + a]);
-      }
-      if (!distribution || std::memcmp(parameters.data(), previous.data(), sizeof previous) != 0) {
-        distribution.emplace(Model::make(parameters.data()));
-        previous = parameters;
-      }
-      Operation::apply(*distribution, values.data(), results.data());
-      char* target = args[inputs] + i * steps[inputs];
-      if (shape.output == 0) {
-        *reinterpret_cast<T*>(target) = static_cast<T>(results[0]);
-      } else {
-        for (int k = 0; k < shape.output; ++k)
-          *reinterpret_cast<T*>(target + k * *core) = static_cast<T>(results[k]);
-      }
+      for (std::size_t a = 0; a < outputs; ++a)
+        out[a] = direct(inputs + a) ? reinterpret_cast<Compute*>(at(inputs + a)) : buffers[inputs + a].data();
+      evaluate_block(in.data(), out.data(), count);
+      for (std::size_t a = 0; a < outputs; ++a)
+        if (!direct(inputs + a)) scatter<Compute, T>(buffers[inputs + a], at(inputs + a), steps[inputs + a], count);
+    }
+  }
+
+  using stored_of_float = std::conditional_t<WideParameters, double, float>;
+
+  static std::array<char*, inputs + outputs> shifted(char* const* args, const npy_intp* steps, npy_intp i) {
+    std::array<char*, inputs + outputs> at;
+    for (std::size_t a = 0; a < at.size(); ++a) at[a] = args[a] + i * steps[a];
+    return at;
+  }
+
+  template <class Compute, class T>
+  static void run(char* const* args, const npy_intp* steps, npy_intp n, bool constant) {
+    if (constant) {
+      const auto d = constant_distribution<Compute, std::conditional_t<WideParameters, double, T>>(args);
+      in_blocks<Compute, T>(args, steps, n, true, [&](auto in, auto out, npy_intp count) {
+        evaluate_constant<Compute>(d, in, out, count);
+      });
+    } else if constexpr (WideParameters) {  // frozen distributions have constant parameters: no kernel of its own
+      for (npy_intp i = 0; i < n; ++i) run<Compute, T>(shifted(args, steps, i).data(), steps, 1, true);
+    } else {
+      in_blocks<Compute, T>(args, steps, n, false, evaluate_varying<Compute>);
+    }
+  }
+
+  // Whether the scales of element i leave float32 room for their squares and the reciprocals of these.
+  static bool fits_float32(char* const* args, const npy_intp* steps, npy_intp i) {
+    return std::all_of(args + values, args + values + Model::scales, [&, a = values](char* p) mutable {
+      const double scale = *reinterpret_cast<const stored_of_float*>(p + i * steps[a++]);
+      return !(scale < 1e-6 || scale > 1e6);
+    });
+  }
+
+  // Runs of elements of one kind, each in its own arithmetic.
+  static void run_in_float32(char* const* args, const npy_intp* steps, npy_intp n, bool constant) {
+    for (npy_intp first = 0, last = 0; first < n; first = last) {
+      const bool fits = fits_float32(args, steps, first);
+      last = constant ? n : first + 1;
+      while (last < n && fits_float32(args, steps, last) == fits) ++last;
+      const auto at = shifted(args, steps, first);
+      if (fits)
+        run<float, float>(at.data(), steps, last - first, constant);
+      else
+        run<double, float>(at.data(), steps, last - first, constant);
     }
   }
 
   template <class T>
-  static double load(const char* source) {
-    return static_cast<double>(*reinterpret_cast<const T*>(source));
-  }
-
-  static std::string signature() {
-    std::string text;
-    const auto core = [](int n) { return n > 0 ? "(" + std::to_string(n) + ")" : std::string("()"); };
-    for (const int n : shape.inputs) text += core(n) + ",";
-    for (std::size_t i = 0; i < Model::count; ++i) text += "(),";
-    text.back() = '-';
-    return text + ">" + core(shape.output);
+  static void loop(char** args, const npy_intp* dimensions, const npy_intp* steps, void*) {
+    const npy_intp n = dimensions[0];
+    if (n == 0) return;
+    const quiet_floating_point guard;
+    const bool constant = std::all_of(steps + values, steps + inputs, [](npy_intp s) { return s == 0; });
+    if constexpr (std::is_same_v<T, float> && Model::family::native_float32) {
+      run_in_float32(args, steps, n, constant);
+    } else {
+      run<double, T>(args, steps, n, constant);
+    }
   }
 
   // NumPy keeps pointers to these tables for as long as the ufunc lives.
   static PyObject* make() {
+    constexpr std::size_t arguments = inputs + outputs;
     static PyUFuncGenericFunction functions[] = {&loop<float>, &loop<double>};
     static void* data[] = {nullptr, nullptr};
-    static std::array<char, 2 * (inputs + 1)> types = [] {
-      std::array<char, 2 * (inputs + 1)> t{};
+    static std::array<char, 2 * arguments> types = [] {
+      std::array<char, 2 * arguments> t{};
       std::fill(t.begin(), t.end(), static_cast<char>(NPY_DOUBLE));
-      std::fill_n(t.begin(), inputs + 1, static_cast<char>(NPY_FLOAT));
-      if (WideParameters) std::fill_n(t.begin() + value_inputs, Model::count, static_cast<char>(NPY_DOUBLE));
+      std::fill_n(t.begin(), arguments, static_cast<char>(NPY_FLOAT));
+      if (WideParameters) std::fill_n(t.begin() + values, Model::count, static_cast<char>(NPY_DOUBLE));
       return t;
     }();
-    const std::string text = signature();
-    return PyUFunc_FromFuncAndDataAndSignature(functions, data, types.data(), 2, static_cast<int>(inputs), 1,
-                                               PyUFunc_None, Operation::name, nullptr, 0,
-                                               shape.vectors() ? text.c_str() : nullptr);
+    return PyUFunc_FromFuncAndData(functions, data, types.data(), 2, static_cast<int>(inputs),
+                                   static_cast<int>(outputs), PyUFunc_None, Operation::name, nullptr, 0);
   }
 };
 
@@ -188,8 +254,10 @@ inline bool add(PyObject* space, const char* name, PyObject* value) {
 }
 
 template <class Model, bool WideParameters, class... Operation>
-bool add_all(PyObject* space) {
-  return (add(space, Operation::attribute, ufunc_loops<Model, Operation, WideParameters>::make()) && ...);
+bool add_all(PyObject* space, const char* prefix) {
+  return (add(space, (std::string(prefix) + Operation::name).c_str(),
+              ufunc_loops<Model, Operation, WideParameters>::make()) &&
+          ...);
 }
 
 }  // namespace microfacet::bindings

@@ -106,7 +106,6 @@ def test_links_between_documents_exist() -> None:
 @pytest.mark.parametrize(
     ("script", "table"),
     [
-        ("derive_special.py", "include/microfacet/special/coefficients.hpp"),
         ("tabulate_special.py", "tests/cpp/special_values.hpp"),
     ],
 )

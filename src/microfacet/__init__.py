@@ -17,7 +17,6 @@ Examples
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 from microfacet._family import Family, Parameter, beckmann, bessel_k, families, ggx, gtr, k0, student_t
@@ -57,10 +56,7 @@ __all__ = [
     "student_t",
 ]
 
-try:
-    __version__ = version("microfacet")
-except PackageNotFoundError:  # run from a source tree that is not installed
-    __version__ = "0+unknown"
+__version__: str
 
 # Loaded at first use: they need SciPy, which an `import microfacet` for the ufuncs should not wait for.
 _LAZY = {
@@ -73,7 +69,20 @@ _LAZY = {
 }
 
 
+def _version() -> str:
+    # Half of the time of an import goes into this module.
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("microfacet")
+    except PackageNotFoundError:  # run from a source tree that is not installed
+        return "0+unknown"
+
+
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        globals()[name] = _version()
+        return globals()[name]
     if name in _LAZY:
         value = globals()[name] = getattr(import_module(_LAZY[name]), name)
         return value

@@ -10,9 +10,25 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <string_view>
+#include <type_traits>
+
+// Whether the hardware rounds a * b + c once.
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+#define MICROFACET_FUSED 1
+#else
+#define MICROFACET_FUSED 0
+#endif
+
+// A pack that is passed through memory costs more than the function.
+#if defined(__GNUC__)
+#define MICROFACET_INLINE [[gnu::always_inline]] inline
+#else
+#define MICROFACET_INLINE inline
+#endif
 
 namespace microfacet {
 
@@ -28,6 +44,9 @@ using std::sqrt;
 inline constexpr double pi = std::numbers::pi;
 inline constexpr double sqrt_pi = 1.7724538509055160273;  // sqrt(pi)
 inline constexpr double inf = std::numeric_limits<double>::infinity();
+
+template <class T>
+using integer_of = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
 
 template <std::floating_point T>
 constexpr T select(bool mask, T a, T b) {
@@ -60,11 +79,11 @@ T largest_slope() {
 
 // Both pass a nan in their first argument on.
 template <class T>
-T maximum(const T& a, const T& b) {
+MICROFACET_INLINE T maximum(const T& a, const T& b) {
   return select(a < b, b, a);
 }
 template <class T>
-T minimum(const T& a, const T& b) {
+MICROFACET_INLINE T minimum(const T& a, const T& b) {
   return select(a > b, b, a);
 }
 
@@ -77,13 +96,23 @@ auto choose(const Mask& mask, const Taken& taken, const Other& other) {
 }
 
 template <class T>
-T square(const T& x) {
+MICROFACET_INLINE T square(const T& x) {
   return x * x;
+}
+
+// a * b + c, rounded once where the hardware does it.
+template <class T>
+MICROFACET_INLINE T multiply_add(const T& a, const T& b, const T& c) {
+  if constexpr (MICROFACET_FUSED && std::is_floating_point_v<T>) {
+    return std::fma(a, b, c);
+  } else {
+    return a * b + c;
+  }
 }
 
 // x where the condition holds, nan elsewhere: how a parameter outside its domain turns a lane into nan.
 template <class T, class Mask>
-T where(const Mask& condition, const T& x) {
+MICROFACET_INLINE T where(const Mask& condition, const T& x) {
   return select(condition, x, nan<T>());
 }
 

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/special/erf.hpp"
 
@@ -27,16 +28,23 @@ class beckmann {
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
                                                            "deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
+  static constexpr bool native_float32 = true;
 
-  T P22(const T& r2) const { return exp(-r2) / T(pi); }
-  T D(const T& z, const T& h2) const { return density_from_log(T(-h2 / (z * z)), z) / T(pi); }
-  T survival(const T& r2) const { return exp(-r2); }
-  T radius2(const T& xi) const { return -log1p(-xi); }
-  T P2(const T& t) const { return exp(-t * t) / T(sqrt_pi); }
-  T slope_sf(const T& t) const {
-    return symmetric_sf(t, [](const T& x) { return T(0.5) * exp(-x * x) * erfc_scaled(x); });
+  T nothing() const { return T(0); }
+  T P22(const twofold<T>& r2) const { return exp(-r2) * T(1 / pi); }
+  T D(const T& z_argument, const twofold<T>& h2) const {
+    // Where 1/z^2 would overflow, D is zero.
+    const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
+    const T value = exp(-quotient(h2, exact_product(z, z), reciprocal));
+    return value * reciprocal * (reciprocal * T(1 / pi));
   }
-  T slope_excess(const T& x) const { return T(0.5) * exp(-x * x) * ierfc_scaled(x); }
+  T survival(const twofold<T>& r2) const { return exp(-r2); }
+  T radius2(const T& xi) const { return -log1p(-xi); }
+  T P2(const slope<T>& t) const { return exp(-t.squared) * T(1 / sqrt_pi); }
+  T slope_sf(const slope<T>& t) const {
+    return symmetric_sf(t, [](const slope<T>& x) { return T(0.5) * exp(-x.squared) * erfc_scaled(x.value.high); });
+  }
+  T slope_excess(const slope<T>& x) const { return T(0.5) * exp(-x.squared) * ierfc_scaled(x.value.high); }
 };
 
 static_assert(radial_family<beckmann<double>>);

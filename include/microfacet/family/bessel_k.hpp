@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/special/bessel.hpp"
 #include "microfacet/special/variance_gamma.hpp"
@@ -90,27 +91,34 @@ class bessel_k {
   static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, inf, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
+  static constexpr bool native_float32 = false;
 
   explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(inf)), a)), radial_(a_) {}
 
-  T P22(const T& r2) const { return P22_of_slope(sqrt(r2)); }
+  T nothing() const { return T(0) * a_; }
+  T P22(const twofold<T>& r2) const { return P22_of_slope(sqrt(r2.high)); }
   // The density of slopes of length y; near its singularity the square of y underflows first.
   T P22_of_slope(const T& y) const { return exp(radial_.log_P22(y)); }
-  T D(const T& z, const T& h2) const { return density_from_log(radial_.log_P22(T(sqrt(h2) / z)), z); }
-  T survival(const T& r2) const { return radial_.survival(sqrt(r2)); }
+  T D(const T& z, const twofold<T>& h2) const {
+    return density_from_log(radial_.log_P22(T(sqrt(h2.high) / z)), z);
+  }
+  T survival(const twofold<T>& r2) const { return radial_.survival(sqrt(r2.high)); }
   T radius(const T& xi) const { return radial_.inverse(xi); }
   T radius2(const T& xi) const { return square(radius(xi)); }
-  T P2(const T& t) const {
+  T P2(const slope<T>& t_argument) const {
+    const T t = t_argument.value.high;
     const T inside = radial_.clamp(abs(t));
     const T value = variance_gamma::density(a_, bessel::orders(T(a_ - T(0.5)), inside));
     const auto finite = a_ > T(0.5);
     const T at_zero = gamma_half_step(a_) * sqrt(a_) / (T(sqrt_pi) * select(finite, T(a_ - T(0.5)), T(1)));
     return select(t == T(0), select(finite, at_zero, T(at_zero * T(inf))), value);
   }
-  T slope_sf(const T& t) const {
-    return symmetric_sf(t, [this](const T& x) { return variance_gamma::tails(a_, radial_.clamp(x)).sf; });
+  T slope_sf(const slope<T>& t) const {
+    return symmetric_sf(t, [this](const slope<T>& x) { return variance_gamma::tails(a_, radial_.clamp(x.value.high)).sf; });
   }
-  T slope_excess(const T& x) const { return variance_gamma::tails(a_, radial_.clamp(x)).excess; }
+  T slope_excess(const slope<T>& x) const {
+    return variance_gamma::tails(a_, radial_.clamp(x.value.high)).excess;
+  }
 
  private:
   T a_;

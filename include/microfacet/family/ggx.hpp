@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 
 namespace microfacet {
@@ -26,22 +27,28 @@ class ggx {
   static constexpr std::array<std::string_view, 3> sources{"trowbridge1975average", "walter2007microfacet",
                                                            "heitz2014masking"};
   static constexpr bool shape_invariant = true;
+  static constexpr bool native_float32 = true;
 
-  T P22(const T& r2) const { return T(1) / (T(pi) * square(T(T(1) + r2))); }
-  T D(const T& z, const T& h2) const { return T(1) / (T(pi) * square(T(z * z + h2))); }
-  T survival(const T& r2) const { return T(1) / (T(1) + r2); }
+  T nothing() const { return T(0); }
+  T P22(const twofold<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.sum())); }
+  T D(const T& z, const twofold<T>& h2) const { return T(1 / pi) / square(T(z * z + h2.sum())); }
+  T survival(const twofold<T>& r2) const { return T(1) / (T(1) + r2.sum()); }
   T radius2(const T& xi) const { return xi / (T(1) - xi); }
-  T P2(const T& t) const {
-    const T a = T(1) + t * t;
+  T P2(const slope<T>& t) const {
+    const T a = T(1) + t.squared.sum();
     return T(0.5) / (a * sqrt(a));
   }
-  T slope_sf(const T& t) const {
-    return symmetric_sf(t, [](const T& x) {
-      const T root = sqrt(T(1) + x * x);
-      return T(0.5) / (root * (root + x));
+  T slope_sf(const slope<T>& t) const {
+    return symmetric_sf(t, [](const slope<T>& x) {
+      const T root = sqrt(T(1) + x.squared.sum());
+      return T(0.5) / (root * (root + x.value.sum()));
     });
   }
-  T slope_excess(const T& x) const { return T(0.5) / (x + sqrt(T(1) + x * x)); }
+  T slope_excess(const slope<T>& x) const { return T(0.5) / (x.value.sum() + sqrt(T(1) + x.squared.sum())); }
+  // s J(|c|/s) without the division.
+  T sigma_below(const T& c, const T& s2) const {
+    return T(0.5) * s2 / maximum(T(abs(c) + sqrt(c * c + s2)), smallest<T>());
+  }
 };
 
 static_assert(radial_family<ggx<double>>);

@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
 #include "microfacet/core/quadrature.hpp"
 #include "microfacet/family/radial.hpp"
 
@@ -29,6 +30,7 @@ class gtr {
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 0.0, inf, 0.0}}};
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
+  static constexpr bool native_float32 = false;
 
   gtr(const T& alpha_argument, const T& gamma) : gamma_(where((gamma > T(0)) & (gamma < T(inf)), gamma)) {
     const T alpha = where((alpha_argument > T(0)) & (alpha_argument < T(inf)), alpha_argument);
@@ -48,17 +50,19 @@ class gtr {
     norm_ = T(1) / (T(pi) * smaller_ * omega_ * select(narrow, down_, up_));
   }
 
-  T P22(const T& r2) const { return D(T(1), minimum(r2, square(largest_slope<T>()))); }
+  T nothing() const { return T(0) * norm_; }
+  T P22(const twofold<T>& r2) const { return D(T(1), minimum(r2.high, square(largest_slope<T>()))); }
 
   // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows
   // alone.
-  T D(const T& z, const T& h2) const {
-    const T z2 = z * z, length2 = z2 + h2;
+  T D(const T& z, const twofold<T>& h2_argument) const {
+    const T z2 = z * z, h2 = h2_argument.high, length2 = z2 + h2;
     const T q = (a2_ * z2 + h2) / smaller_;
     return norm_ * pow(T(length2 / q), gamma_) / square(length2);
   }
 
-  T survival(const T& r2) const {
+  T survival(const twofold<T>& r2_argument) const {
+    const T r2 = r2_argument.high;
     // exp(L) - 1 = |1 - alpha^2|/(r2 + min), exp(V) - 1 = r2 |1 - alpha^2|/(min (r2 + max)).
     const T l_argument = span_ / (r2 + smaller_), l_over_span = log1p_over(l_argument) / (r2 + smaller_);
     const T v = log1p(span_ / smaller_ / (T(1) + larger_ / r2));
@@ -76,8 +80,8 @@ class gtr {
   }
 
   // P22 over the other slope q = sqrt(p^2 + min(alpha^2, 1)) sinh t.
-  T P2(const T& slope) const {
-    const T p = minimum(T(abs(slope)), largest_slope<T>()), p2 = p * p, scale = sqrt(p2 + smaller_);
+  T P2(const slope<T>& t_argument) const {
+    const T p = minimum(T(abs(t_argument.value.high)), largest_slope<T>()), p2 = p * p, scale = sqrt(p2 + smaller_);
     const T bend = log_ratio(T(sqrt(p2 + larger_)), scale) + T(1.5);
     const auto integrand = [&](const T& t) {
       const T e = exp(t), sinh = T(0.5) * (e - T(1) / e), cosh = T(0.5) * (e + T(1) / e);
@@ -87,15 +91,15 @@ class gtr {
   }
 
   // (1/pi) int_0^inf survival(t^2 cosh^2 s)/cosh s ds.
-  T slope_sf(const T& t) const {
-    return symmetric_sf(t, [this](const T& x) {
-      return radial_integral(x, [](const T&, const T& cosh) { return T(1) / cosh; });
+  T slope_sf(const slope<T>& t) const {
+    return symmetric_sf(t, [this](const slope<T>& x) {
+      return radial_integral(x.value.high, [](const T&, const T& cosh) { return T(1) / cosh; });
     });
   }
 
   // (x/pi) int_0^inf survival(x^2 cosh^2 s) sinh^2 s/cosh s ds.
-  T slope_excess(const T& x_argument) const {
-    const T x = maximum(x_argument, floor_of_slopes());
+  T slope_excess(const slope<T>& x_argument) const {
+    const T x = maximum(x_argument.value.high, floor_of_slopes());
     return x * radial_integral(x, [](const T& sinh, const T& cosh) { return sinh * (sinh / cosh); });
   }
 

@@ -12,11 +12,62 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/family/bessel_k.hpp"
+#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/special/coefficients.hpp"
 
 namespace microfacet {
+
+namespace detail {
+
+// 2 K_0(2y) and 2y K_1(2y) at y and y^2: round 0 as log(y) A(y^2) + B(y^2), fitted together, beyond as
+// exp(-2y) times a rational function.
+template <class T>
+class k0_functions {
+ public:
+  explicit k0_functions(const twofold<T>& y2) : k0_functions(sqrt(y2), y2.sum()) {}
+  k0_functions(const twofold<T>& y, const T& y2)
+      : near_(y.high < T(0.5625)), y_(minimum(maximum(y.sum(), smallest<T>()), T(1e3))), y2_(y2), decay_(y) {}
+
+  T density() const {  // 2 K_0(2y)
+    using namespace coefficients;
+    const auto inside = [&] {
+      return multiply_add(logarithm(), polynomial(by_precision<T>(k0_near_log_32, k0_near_log_64), y2_),
+                          T(y2_ * polynomial(by_precision<T>(k0_near_32, k0_near_64), y2_)));
+    };
+    const auto outside = [&] {
+      return T(exp(T(-2) * decay_) * polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_) /
+               (polynomial(by_precision<T>(k0_far_denominator_32, k0_far_denominator_64), y_) * sqrt(y_)));
+    };
+    return choose(near_, inside, outside);
+  }
+  T survival() const {  // 2y K_1(2y)
+    return choose(near_, [&] { return T(T(1) - within()); }, [&] { return beyond(); });
+  }
+  // 1 - survival near 0, survival elsewhere, both to full relative accuracy.
+  T within() const {
+    using namespace coefficients;
+    return y2_ * multiply_add(logarithm(), polynomial(by_precision<T>(k1_near_log_32, k1_near_log_64), y2_),
+                              polynomial(by_precision<T>(k1_near_32, k1_near_64), y2_));
+  }
+  T beyond() const {
+    using namespace coefficients;
+    return exp(T(-2) * decay_) * sqrt(y_) *
+           polynomial(by_precision<T>(k1_far_numerator_32, k1_far_numerator_64), y_) /
+           polynomial(by_precision<T>(k1_far_denominator_32, k1_far_denominator_64), y_);
+  }
+
+ private:
+  T logarithm() const { return T(-0.57721566490153286061) - log(y_); }
+
+  decltype(T(0) < T(0)) near_;
+  T y_, y2_;
+  twofold<T> decay_;
+};
+
+}  // namespace detail
 
 template <class T>
 class k0 {
@@ -26,21 +77,54 @@ class k0 {
   static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
+  static constexpr bool native_float32 = true;
 
-  T P22(const T& r2) const { return isotropic().P22(r2); }
-  T P22_of_slope(const T& y) const { return isotropic().P22_of_slope(y); }
-  T D(const T& z, const T& h2) const { return isotropic().D(z, h2); }
-  T survival(const T& r2) const { return isotropic().survival(r2); }
-  T radius(const T& xi) const { return isotropic().radius(xi); }
-  T radius2(const T& xi) const { return square(radius(xi)); }
-  T P2(const T& t) const { return exp(T(-2) * abs(t)); }
-  T slope_sf(const T& t) const {
-    return symmetric_sf(t, [](const T& x) { return T(0.5) * exp(T(-2) * x); });
+  T nothing() const { return T(0); }
+  T P22(const twofold<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }
+  T P22_of_slope(const T& y) const { return peaked(detail::k0_functions<T>(y, T(y * y)), y); }
+  T D(const T& z_argument, const twofold<T>& h2) const {
+    // Where 1/z^2 would overflow, D is zero.
+    const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
+    return P22(quotient(h2, exact_product(z, z), reciprocal)) * reciprocal * reciprocal;
   }
-  T slope_excess(const T& x) const { return T(0.25) * exp(T(-2) * x); }
+  T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
+  T radius2(const T& xi) const { return square(radius(xi)); }
+  // Newton's method: near the normal on log(1 - survival) against log y, beyond on log(survival) against y.
+  T radius(const T& xi) const {
+    constexpr int most = 40;
+    const T rest = T(1) - xi;
+    const auto lower = xi < T(0.3);
+    const T target = log(select(lower, xi, rest));
+    T y = select(lower, T(sqrt(xi / (T(1) - T(0.5) * log(maximum(xi, smallest<T>()))))),
+                 T(T(0.25) - T(0.55) * log(rest)));
+    auto moving = y == y;  // a lane that has converged stays, so that its neighbours do not change it
+    for (int i = 0; i < most; ++i) {
+      const detail::k0_functions<T> at(y, T(y * y));
+      const auto near = y < T(0.5625);
+      const T slope = T(2) * y * at.density();
+      const T within = choose(near, [&] { return at.within(); }, [&] { return T(T(1) - at.beyond()); });
+      const T beyond = choose(near, [&] { return T(T(1) - at.within()); }, [&] { return at.beyond(); });
+      const T left = (target - log(within)) * within / (y * slope);
+      const T right = (log(beyond) - target) * beyond / slope;
+      const T next = select(lower, T(y * exp(minimum(maximum(left, T(-30)), T(1)))),
+                            T(y + maximum(right, T(T(-0.5) * y))));
+      const auto far = abs(next - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
+      y = select(moving, next, y);
+      moving = moving & far;
+      if (!any(moving)) break;
+    }
+    return select(xi == T(0), T(0), y);
+  }
+  T P2(const slope<T>& t) const { return exp(T(-2) * abs(t.value)); }
+  T slope_sf(const slope<T>& t) const {
+    return symmetric_sf(t, [](const slope<T>& x) { return T(0.5) * exp(T(-2) * x.value); });
+  }
+  T slope_excess(const slope<T>& x) const { return T(0.25) * exp(T(-2) * x.value); }
 
  private:
-  static bessel_k<T> isotropic() { return bessel_k<T>(T(1)); }
+  static T peaked(const detail::k0_functions<T>& at, const T& y) {
+    return select(y == T(0), T(inf), T(at.density() * T(1 / pi)));
+  }
 };
 
 static_assert(radial_family<k0<double>>);

@@ -9,20 +9,37 @@
 
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/quadrature.hpp"
+#include "microfacet/core/twofold.hpp"
 
 namespace microfacet {
 
+// A slope with its square; exponents are made of the one or the other.
+template <class T>
+struct slope {
+  twofold<T> value, squared;
+
+  slope(const T& t) : slope(twofold<T>(t)) {}
+  slope(const twofold<T>& t) : slope(t, square(t)) {}
+  slope(const twofold<T>& t, const twofold<T>& t2) : value(t), squared(t2) {}
+  // From the exact square, `root` being its square root to rounding.
+  static slope of_square(const T& root, const twofold<T>& t2) {
+    const T rest = exact_residual(t2.high, root, root) + t2.low;
+    return slope({root, T(0.5) * rest / maximum(root, smallest<T>())}, t2);
+  }
+};
+
 // clang-format off
 template <class F>
-concept radial_family = requires(const F f, typename F::scalar t) {
+concept radial_family = requires(const F f, typename F::scalar xi, twofold<typename F::scalar> r2, slope<typename F::scalar> t) {
   F::name;                                                     // one string everywhere
   F::parameters;                                               // std::array<parameter, n>: the shape parameters
+  { f.nothing() } -> std::convertible_to<typename F::scalar>;        // 0, nan where a parameter lies outside its domain
   F::sources;                                                  // keys of references.bib
   { F::shape_invariant } -> std::convertible_to<bool>;         // whether roughness is a stretch of the slopes
-  { f.P22(t) } -> std::convertible_to<typename F::scalar>;     // joint density of slopes at squared slope r2
-  { f.D(t, t) } -> std::convertible_to<typename F::scalar>;    // D(z, h2) = P22(h2/z^2)/z^4, never over- or underflowing
-  { f.survival(t) } -> std::convertible_to<typename F::scalar>;      // Pr(slope^2 > r2)
-  { f.radius2(t) } -> std::convertible_to<typename F::scalar>;       // survival(radius2(xi)) = 1 - xi
+  { f.P22(r2) } -> std::convertible_to<typename F::scalar>;    // joint density of slopes at squared slope r2
+  { f.D(xi, r2) } -> std::convertible_to<typename F::scalar>;  // D(z, h2) = P22(h2/z^2)/z^4, never over- or underflowing
+  { f.survival(r2) } -> std::convertible_to<typename F::scalar>;     // Pr(slope^2 > r2)
+  { f.radius2(xi) } -> std::convertible_to<typename F::scalar>;      // survival(radius2(xi)) = 1 - xi
   { f.P2(t) } -> std::convertible_to<typename F::scalar>;            // density of the slope along an azimuth
   { f.slope_sf(t) } -> std::convertible_to<typename F::scalar>;      // Pr(slope along an azimuth > t)
   { f.slope_excess(t) } -> std::convertible_to<typename F::scalar>;  // int_t^inf slope_sf = E[(slope - t)_+], t >= 0
@@ -37,8 +54,12 @@ T density_from_log(const T& log_P22, const T& z) {
 
 // A probability above t >= 0 made one for any t by symmetry: 1/2 at 0 and nothing above the largest slope.
 template <class T, class Upper>
-T symmetric_sf(const T& t, const Upper& upper) {
-  const T size = abs(t), most = largest_slope<T>(), q = upper(minimum(size, most));
+T symmetric_sf(const slope<T>& t_argument, const Upper& upper) {
+  const T most = largest_slope<T>(), t = t_argument.value.high, size = abs(t);
+  const auto finite = size < most;
+  const twofold<T> exact = abs(t_argument.value), &square = t_argument.squared;
+  const T q = upper(slope<T>({select(finite, size, most), select(finite, exact.low, T(0))},
+                             {select(finite, square.high, T(most * most)), select(finite, square.low, T(0))}));
   const T above = select(size == T(0), T(0.5) + T(0) * q, select(size < most, q, T(0) * q));
   return select(t < T(0), T(T(1) - above), above);
 }

@@ -9,8 +9,8 @@
 
 namespace microfacet {
 
-// Directions need not have unit length where only slopes matter (D, Lambda, G1); sigma is for unit
-// directions.
+// Of directions, or of cosines where the shape is isotropic. A direction need not have unit length where only
+// slopes matter (D, Lambda, G1); sigma is for unit directions.
 template <class Family, class T, class Shape = anisotropic_shape<T>>
 class ndf {
  public:
@@ -21,35 +21,37 @@ class ndf {
 
   // Slopes.
   T P22(const T& p, const T& q) const {
+    const twofold<T> r2 = shape_.slope2(p, q);
+    const auto by_square = [&] { return T(family_.P22(r2) * shape_.inverse_area()); };
     if constexpr (requires { family_.P22_of_slope(p); }) {
-      return family_.P22_of_slope(shape_.slope(p, q)) / shape_.area();
+      const auto by_slope = [&] {
+        return T(family_.P22_of_slope(shape_.length(p, q)) * shape_.inverse_area());
+      };
+      return choose(r2.high < T(16) * smallest<T>(), by_slope, by_square);
     } else {
-      return family_.P22(shape_.slope2(p, q)) / shape_.area();
+      return by_square();
     }
   }
-  T P2(const T& p) const { return family_.P2(shape_.standard(p)) / shape_.along_x(); }
-  T slope_cdf(const T& p) const { return family_.slope_sf(T(-shape_.standard(p))); }
+  T P2(const T& p) const { return family_.P2(shape_.standard(p)) * shape_.inverse_along_x(); }
+  T slope_cdf(const T& p) const { return family_.slope_sf(-shape_.standard(p)); }
 
   // Normals, per steradian: P22 at the slopes (-x/z, -y/z), over (z/|m|)^4.
-  T D(const vec3<T>& m) const {
-    const auto above = m.z > T(0);
-    // The stretched slope times z, squared: slope2 is homogeneous of degree two. Normals below the horizon
-    // are evaluated where no density is infinite, so that only a nan survives the multiplication by zero.
-    const T z = select(above, m.z, T(1)), h2 = select(above, shape_.slope2(m.x, m.y), T(1));
-    const T value = family_.D(z, h2) / shape_.area() * square(dot(m, m));
-    return select(above, value, T(value * T(0)));
-  }
+  T D(const vec3<T>& m) const { return density(m) * square(T(dot(m, m))); }
+  T D(const cosine<T>& m) const { return density(m); }
   // Density per steradian of normals drawn from D cos(theta).
   T pdf(const vec3<T>& m) const { return D(m) * m.z / sqrt(dot(m, m)); }
 
   // Directions.
-  T sigma(const vec3<T>& w) const { return microfacet::sigma(family_, w.z, shape_.stretch(w.x, w.y)); }
-  T Lambda(const vec3<T>& w) const { return microfacet::Lambda(family_, w.z, shape_.stretch(w.x, w.y)); }
-  T G1(const vec3<T>& w) const { return microfacet::G1(family_, w.z, shape_.stretch(w.x, w.y)); }
+  T sigma(const vec3<T>& w) const { return microfacet::sigma(family_, w.z, shape_.stretch2(w)); }
+  T sigma(const cosine<T>& w) const { return microfacet::sigma(family_, w.z, shape_.stretch2(w)); }
+  T Lambda(const vec3<T>& w) const { return microfacet::Lambda(family_, w.z, shape_.stretch2(w)); }
+  T Lambda(const cosine<T>& w) const { return microfacet::Lambda(family_, w.z, shape_.stretch2(w)); }
+  T G1(const vec3<T>& w) const { return microfacet::G1(family_, w.z, shape_.stretch2(w)); }
+  T G1(const cosine<T>& w) const { return microfacet::G1(family_, w.z, shape_.stretch2(w)); }
 
   // Masking and shadowing: 0 for wi below the horizon; reflection for wo.z > 0, transmission for wo.z < 0.
   T G2(const vec3<T>& wi, const vec3<T>& wo) const {
-    const T lambda_i = Lambda({wi.x, wi.y, abs(wi.z)}), lambda_o = Lambda({wo.x, wo.y, abs(wo.z)});
+    const T lambda_i = Lambda(vec3<T>{wi.x, wi.y, abs(wi.z)}), lambda_o = Lambda(vec3<T>{wo.x, wo.y, abs(wo.z)});
     return select(wi.z > T(0), G2_correlated(lambda_i, lambda_o, wo.z < T(0)), T(0));
   }
   T G2_uncorrelated(const vec3<T>& wi, const vec3<T>& wo) const {
@@ -62,6 +64,14 @@ class ndf {
   }
 
  private:
+  // slope2 is homogeneous of degree two: of m it is the squared standard slope times z^2. Below the horizon that
+  // means nothing, but a nan stays one.
+  template <class Direction>
+  T density(const Direction& m) const {
+    const T value = family_.D(m.z, shape_.slope2(m)) * shape_.inverse_area();
+    return select(m.z > T(0), value, T(T(0) * (m.z + shape_.inverse_area()) + family_.nothing()));
+  }
+
   Family family_;
   Shape shape_;
 };

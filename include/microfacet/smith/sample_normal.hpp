@@ -2,16 +2,11 @@
 // function (xi = 0 gives the normal itself), its azimuth uniform in standard space.
 #pragma once
 
-#include <cmath>
-
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/vec.hpp"
 #include "microfacet/smith/ndf.hpp"
 
 namespace microfacet {
-
-using std::cos;
-using std::sin;
 
 // The standard slope at survival 1 - xi. A family may state it without its square, which underflows first.
 template <class Family, class T>
@@ -36,13 +31,19 @@ T cosine_of_slope(const T& slope) {
   return T(1) / sqrt(T(1) + slope * slope);
 }
 
+// Pr(slope > r) for r >= 0; nan below.
+template <class Family, class T>
+T survival(const ndf<Family, T, isotropic_shape<T>>& distribution, const T& r) {
+  return distribution.family().survival(distribution.shape().slope2(where(r >= T(0), r), T(0)));
+}
+
 template <class Family, class T, class Shape>
 vec3<T> sample_normal(const ndf<Family, T, Shape>& distribution, const T& xi_radius, const T& xi_azimuth) {
   const auto valid = (xi_radius >= T(0)) & (xi_radius < T(1)) & (xi_azimuth >= T(0)) & (xi_azimuth < T(1));
   const T radius = sample_radius(distribution.family(), where(valid, xi_radius));
-  const T azimuth = T(2 * pi) * xi_azimuth;
+  const elementary::circle<T> azimuth = elementary::cos_sin_of_turns(xi_azimuth);
   // Minus the slopes, so that 2 pi xi is the azimuth of the normal; the density is symmetric.
-  T x = radius * cos(azimuth), y = radius * sin(azimuth);
+  T x = radius * azimuth.cosine, y = radius * azimuth.sine;
   distribution.shape().to_surface(x, y);
   const T z = cosine_of_slope(T(sqrt(x * x + y * y)));
   return {x * z, y * z, z};

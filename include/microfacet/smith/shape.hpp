@@ -7,14 +7,16 @@
 #pragma once
 
 #include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
 #include "microfacet/core/vec.hpp"
 
 namespace microfacet {
 
-// alpha outside (0, inf) becomes nan and so does every result in that lane.
+// alpha outside (0, inf) becomes nan and so does every result in that lane. alpha may come with more digits
+// than a T has.
 template <class T>
-T valid_alpha(const T& alpha) {
-  return where((alpha > T(0)) & (alpha < T(inf)), alpha);
+twofold<T> valid_alpha(const twofold<T>& alpha) {
+  return {where((alpha.high > T(0)) & (alpha.high < T(inf)), alpha.high), alpha.low};
 }
 
 // sqrt(p^2 + q^2) without the squares' under- and overflow.
@@ -25,49 +27,105 @@ T length(const T& p, const T& q) {
   return larger * sqrt(square(T(a / larger)) + square(T(b / larger)));
 }
 
+// A direction in the plane y = 0 by its cosine u in [-1, 1] alone.
+template <class T>
+struct cosine {
+  twofold<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
+  T z;
+
+  explicit cosine(const T& u) : sine2(one_minus(exact_product(u, u))), z(where(sine2.high + sine2.low >= T(0), u)) {}
+
+ private:
+  static twofold<T> one_minus(const twofold<T>& a) {
+    const twofold<T> rest = exact_sum_of_ordered(T(1), T(-a.high));
+    return {rest.high, rest.low - a.low};
+  }
+};
+
+template <class T>
+twofold<T> squared_length(const T& x, const T& y) {
+  return exact_product(x, x) + exact_product(y, y);
+}
+
+template <class T>
+twofold<T> reciprocal(const twofold<T>& a) {
+  return quotient(twofold<T>(T(1)), a);
+}
+
+// slope2: the squared standard slope of (p, q), or of a direction times the square of its z.
+// stretch2: the squared sine of the stretched direction. along_x: the roughness of slopes along x.
 template <class T>
 class isotropic_shape {
  public:
-  explicit isotropic_shape(const T& alpha) : alpha_(valid_alpha(alpha)) {}
+  explicit isotropic_shape(const twofold<T>& alpha)
+      : alpha_(valid_alpha(alpha)),
+        alpha2_(square(alpha_)),
+        inverse_(reciprocal(alpha_)),
+        inverse2_(reciprocal(alpha2_)) {}
 
-  T area() const { return alpha_ * alpha_; }  // of the image of a unit square of standard slopes
-  T slope2(const T& p, const T& q) const { return square(T(p / alpha_)) + square(T(q / alpha_)); }
-  T slope(const T& p, const T& q) const { return length(T(p / alpha_), T(q / alpha_)); }
-  T standard(const T& p) const { return p / alpha_; }
-  T along_x() const { return alpha_; }
-  T stretch(const T& x, const T& y) const { return alpha_ * sqrt(x * x + y * y); }
-  void to_surface(T& p, T& q) const { p = p * alpha_, q = q * alpha_; }
+  T inverse_area() const { return inverse2_.high; }  // of the image of a unit square of standard slopes
+  twofold<T> slope2(const T& p, const T& q) const { return squared_length(p, q) * inverse2_; }
+  twofold<T> slope2(const vec3<T>& m) const { return slope2(m.x, m.y); }
+  twofold<T> slope2(const cosine<T>& m) const { return m.sine2 * inverse2_; }
+  T length(const T& p, const T& q) const { return microfacet::length(T(p / alpha_.high), T(q / alpha_.high)); }
+  twofold<T> stretch2(const vec3<T>& w) const { return squared_length(w.x, w.y) * alpha2_; }
+  twofold<T> stretch2(const cosine<T>& w) const { return w.sine2 * alpha2_; }
+  T along_x() const { return alpha_.high; }
+  T inverse_along_x() const { return inverse_.high; }
+  twofold<T> standard(const T& p) const { return twofold<T>(p) * inverse_; }
+  void to_surface(T& p, T& q) const { p = p * alpha_.high, q = q * alpha_.high; }
 
  private:
-  T alpha_;
+  twofold<T> alpha_, alpha2_, inverse_, inverse2_;
 };
 
 template <class T>
 class anisotropic_shape {
  public:
-  anisotropic_shape(const T& alpha_x, const T& alpha_y, const T& cosine, const T& sine)
-      : alpha_x_(valid_alpha(alpha_x)), alpha_y_(valid_alpha(alpha_y)), c_(cosine), s_(sine) {}
+  anisotropic_shape(const twofold<T>& alpha_x, const twofold<T>& alpha_y, const T& cosine, const T& sine)
+      : alpha_x_(valid_alpha(alpha_x)),
+        alpha_y_(valid_alpha(alpha_y)),
+        c_(cosine),
+        s_(sine),
+        x2_(square(alpha_x_)),
+        y2_(square(alpha_y_)),
+        inverse_x2_(reciprocal(x2_)),
+        inverse_y2_(reciprocal(y2_)),
+        along_x_(sqrt(x2_ * exact_product(c_, c_) + y2_ * exact_product(s_, s_))),
+        inverse_(reciprocal(along_x_)),
+        inverse_area_(T(1) / (alpha_x_.high * alpha_y_.high)) {}
 
-  T area() const { return alpha_x_ * alpha_y_; }
-  T slope2(const T& p, const T& q) const {
-    return square(T((c_ * p + s_ * q) / alpha_x_)) + square(T((c_ * q - s_ * p) / alpha_y_));
+  T inverse_area() const { return inverse_area_; }
+  twofold<T> slope2(const T& p, const T& q) const { return weighed(p, q, inverse_x2_, inverse_y2_); }
+  twofold<T> slope2(const vec3<T>& m) const { return slope2(m.x, m.y); }
+  T length(const T& p, const T& q) const {
+    return microfacet::length(T((c_ * p + s_ * q) / alpha_x_.high), T((c_ * q - s_ * p) / alpha_y_.high));
   }
-  T slope(const T& p, const T& q) const {
-    return length(T((c_ * p + s_ * q) / alpha_x_), T((c_ * q - s_ * p) / alpha_y_));
-  }
+  twofold<T> stretch2(const vec3<T>& w) const { return weighed(w.x, w.y, x2_, y2_); }
   // The slope along x of the surface is a standard slope times this, in any isotropic density.
-  T along_x() const { return sqrt(square(T(alpha_x_ * c_)) + square(T(alpha_y_ * s_))); }
-  T standard(const T& p) const { return p / along_x(); }
-  T stretch(const T& x, const T& y) const {
-    return sqrt(square(T(alpha_x_ * (c_ * x + s_ * y))) + square(T(alpha_y_ * (c_ * y - s_ * x))));
-  }
+  T along_x() const { return along_x_.high; }
+  T inverse_along_x() const { return inverse_.high; }
+  twofold<T> standard(const T& p) const { return twofold<T>(p) * inverse_; }
   void to_surface(T& p, T& q) const {
-    const T a = p * alpha_x_, b = q * alpha_y_;
+    const T a = p * alpha_x_.high, b = q * alpha_y_.high;
     p = c_ * a - s_ * b, q = s_ * a + c_ * b;
   }
 
  private:
-  T alpha_x_, alpha_y_, c_, s_;
+  // The sum of the squared components along the axes, each with its weight.
+  twofold<T> weighed(const T& x, const T& y, const twofold<T>& along, const twofold<T>& across) const {
+    const twofold<T> a = square(component(c_, x, s_, y)) * along;
+    const twofold<T> b = square(component(c_, y, T(-s_), x)) * across;
+    return a + b;
+  }
+  static twofold<T> component(const T& a, const T& x, const T& b, const T& y) {
+    return exact_product(a, x) + exact_product(b, y);
+  }
+
+  twofold<T> alpha_x_, alpha_y_;
+  T c_, s_;
+  twofold<T> x2_, y2_, inverse_x2_, inverse_y2_, along_x_, inverse_;
+  T inverse_area_;
 };
 
 }  // namespace microfacet

@@ -1,5 +1,6 @@
 // Complementary error function and its integral, scaled by exp(x^2) so that the far tail keeps its relative
-// accuracy: erfc(x) = exp(-x^2) erfc_scaled(x), ierfc(x) = exp(-x^2) ierfc_scaled(x), for x >= 0.
+// accuracy: erfc(x) = exp(-x^2) erfc_scaled(x), ierfc(x) = exp(-x^2) ierfc_scaled(x), for x >= 0. Each is one
+// rational function with positive coefficients: no term cancels.
 #pragma once
 
 #include "microfacet/core/chebyshev.hpp"
@@ -9,24 +10,28 @@
 namespace microfacet {
 
 namespace detail {
-// The half line x >= 0 on [-1, 1], as (x - k)/(x + k) = 1 - 2 k/(x + k), which is 1 at infinity.
+// Beyond it exp(-x^2) is zero, and the powers of x stay finite.
 template <class T>
-T half_line(const T& x) {
-  const T k(3.75);
-  return T(1) - (k + k) / (x + k);
+T where_erfc_lives(const T& x) {
+  return minimum(x, T(sizeof(typename scalar_traits<T>::real) == 4 ? 10 : 28));
 }
 }  // namespace detail
 
 template <class T>
-T erfc_scaled(const T& x) {
-  return chebyshev(coefficients::erfc_scaled, detail::half_line(x)) / (T(1) + T(2) * x);
+MICROFACET_INLINE T erfc_scaled(const T& x_argument) {
+  using namespace coefficients;
+  const T x = detail::where_erfc_lives(x_argument);
+  return polynomial(by_precision<T>(erfc_numerator_32, erfc_numerator_64), x) /
+         polynomial(by_precision<T>(erfc_denominator_32, erfc_denominator_64), x);
 }
 
 // exp(x^2) int_x^inf erfc(t) dt.
 template <class T>
-T ierfc_scaled(const T& x) {
-  const T w = T(1) / (T(1) + T(2) * x);
-  return chebyshev(coefficients::ierfc_scaled, detail::half_line(x)) * w * w;
+MICROFACET_INLINE T ierfc_scaled(const T& x_argument) {
+  using namespace coefficients;
+  const T x = detail::where_erfc_lives(x_argument);
+  return polynomial(by_precision<T>(ierfc_numerator_32, ierfc_numerator_64), x) /
+         polynomial(by_precision<T>(ierfc_denominator_32, ierfc_denominator_64), x);
 }
 
 }  // namespace microfacet

@@ -1,0 +1,100 @@
+"""The gate of continuous integration: no kernel may become half as fast as it was.
+
+Speeds are judged by ratios within one process: to NumPy's exp, to the SciPy expression, and (with a wide
+margin, since that depends on the machine) to a copy. thresholds.toml holds the least ratios for each
+instruction set. A kernel that falls short is measured twice again before it fails: noise passes, a slower
+kernel does not.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+from .kernels import KERNELS, Inputs, Kernel
+from .machine import instruction_set
+from .results import write_whole
+from .suite import CACHE, DTYPES, Measurement, measure
+
+THRESHOLDS = Path(__file__).with_name("thresholds.toml")
+MARGIN = 0.5  # of the measured ratio: a kernel that takes twice as long fails
+COPY_MARGIN = 0.2
+ATTEMPTS = 3
+GATED = tuple(kernel for kernel in KERNELS if kernel.form != "x, y, z" or kernel.quantity == "D")
+HEAD = """\
+# The least ratios (speed of the kernel over that of the contender) that `make bench-check` lets pass: half of
+# what was measured, a fifth for copies. Written by `python -m benchmarks check --record`, once for each value
+# of MICROFACET_ISA.
+"""
+
+Thresholds = dict[str, dict[str, dict[str, float]]]  # instruction set, "kernel dtype", contender
+
+
+def read(path: Path = THRESHOLDS) -> Thresholds:
+    """All thresholds."""
+    return tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def shortfalls(measurement: Measurement, least: dict[str, float]) -> Iterator[str]:
+    """A sentence for each ratio of best speeds that is too small."""
+    ours = measurement.speeds["ours"]
+    for contender, bound in least.items():
+        theirs = measurement.speeds.get(contender)
+        if theirs is not None and ours / theirs < bound:
+            yield (
+                f"{measurement.kernel} in {measurement.dtype} runs at {ours / theirs:.3g} times the speed of "
+                f"{contender}; at least {bound:.3g} is expected"
+            )
+
+
+def check(
+    seconds: float, thresholds: Thresholds, kernels: tuple[Kernel, ...] = GATED, length: int = CACHE
+) -> Iterator[tuple[str, list[str]]]:
+    """Measure every kernel that has a threshold here; its name with what falls short, if anything does."""
+    known = thresholds.get(instruction_set(), {})
+    for dtype in DTYPES:
+        inputs = Inputs(length, dtype)
+        for kernel in kernels:
+            if least := known.get(f"{kernel.name} {dtype}"):
+                found: list[str] = []
+                for attempt in range(ATTEMPTS):
+                    found = list(shortfalls(_measured(kernel, inputs, seconds * (1 + attempt)), least))
+                    if not found:
+                        break
+                yield kernel.name, found
+
+
+def _measured(kernel: Kernel, inputs: Inputs, seconds: float) -> Measurement:
+    measurement = measure(kernel, inputs, seconds)
+    assert measurement is not None  # short arrays are never too slow
+    return measurement
+
+
+def record(seconds: float, path: Path = THRESHOLDS) -> Iterator[str]:
+    """Measure and write the thresholds of the instruction set in use, naming each kernel."""
+    thresholds = read(path)
+    mine = thresholds[instruction_set()] = {}
+    for dtype in DTYPES:
+        inputs = Inputs(CACHE, dtype)
+        for kernel in GATED:
+            m = _measured(kernel, inputs, seconds)
+            ours = m.speeds["ours"]
+            mine[f"{kernel.name} {dtype}"] = {
+                name: float(f"{ours / speed * (COPY_MARGIN if name == 'copy' else MARGIN):.3g}")
+                for name, speed in m.speeds.items()
+                if name not in ("ours", "own exp")
+            }
+            yield kernel.name
+    write_whole(path, _document(thresholds))
+
+
+def _document(thresholds: Thresholds) -> str:
+    lines = [HEAD]
+    for isa in sorted(thresholds):
+        lines.append(f"[{isa}]")
+        for name, least in thresholds[isa].items():
+            inside = ", ".join(f'"{contender}" = {value:g}' for contender, value in least.items())
+            lines.append(f'"{name}" = {{ {inside} }}')
+        lines.append("")
+    return "\n".join(lines)

@@ -1,0 +1,102 @@
+// How arrays become lanes and lanes become arrays: any stride, any count up to the number of lanes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
+
+#include "microfacet/core/elementary.hpp"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#else
+#include <cfenv>
+#endif
+
+namespace microfacet::bindings {
+
+#if defined(__AVX512F__)
+inline constexpr std::size_t register_bytes = 64;
+#elif defined(__AVX__)
+inline constexpr std::size_t register_bytes = 32;
+#else
+inline constexpr std::size_t register_bytes = 16;
+#endif
+
+// The widest thing that the kernels of this build compute on: a pack, or where the compiler has none, a number.
+#if MICROFACET_VECTOR_EXTENSIONS
+template <class T>
+using lanes = pack<T, register_bytes>;
+#else
+template <class T>
+using lanes = T;
+#endif
+
+template <class T>
+inline constexpr int width = sizeof(lanes<T>) / sizeof(T);
+
+template <class T>
+MICROFACET_INLINE lanes<T> load(const T* source) {
+  lanes<T> result;
+  std::memcpy(&result, source, sizeof result);
+  return result;
+}
+template <class T>
+MICROFACET_INLINE void store(const lanes<T>& values, T* target) {
+  std::memcpy(target, &values, sizeof values);
+}
+
+// Elements that a loop handles at a time: what is strided, short or of another type passes through a buffer of
+// this length, and no other temporary exists.
+inline constexpr std::ptrdiff_t block = 256;
+template <class T>
+using buffer = std::array<T, block>;
+
+// `count` numbers of type From, `stride` bytes apart; the last one fills up the lanes, so that no lane does what
+// none asked for.
+template <class From, class To>
+void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buffer<To>& target) {
+  if (stride == sizeof(From)) {
+    for (std::ptrdiff_t i = 0; i < count; ++i) target[i] = static_cast<To>(reinterpret_cast<const From*>(source)[i]);
+  } else {
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      target[i] = static_cast<To>(*reinterpret_cast<const From*>(source + i * stride));
+  }
+  for (std::ptrdiff_t i = count; i % width<To> != 0; ++i) target[i] = target[count - 1];
+}
+template <class From, class To>
+void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, std::ptrdiff_t count) {
+  if (stride == sizeof(To)) {
+    for (std::ptrdiff_t i = 0; i < count; ++i) reinterpret_cast<To*>(target)[i] = static_cast<To>(source[i]);
+  } else {
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      *reinterpret_cast<To*>(target + i * stride) = static_cast<To>(source[i]);
+  }
+}
+
+// Kernels compute with nan and inf on purpose, and subnormal numbers cost ten times as much as others: flush
+// them to zero inside a loop, and give the caller back the control word and flags as they were.
+class quiet_floating_point {
+ public:
+#if defined(__SSE2__)
+  quiet_floating_point() : control_(_mm_getcsr()) { _mm_setcsr(masked_and_flushing); }
+  ~quiet_floating_point() { _mm_setcsr(control_); }
+#else
+  quiet_floating_point() { std::feholdexcept(&control_); }
+  ~quiet_floating_point() { std::fesetenv(&control_); }
+#endif
+  quiet_floating_point(const quiet_floating_point&) = delete;
+  quiet_floating_point& operator=(const quiet_floating_point&) = delete;
+
+ private:
+#if defined(__SSE2__)
+  static constexpr unsigned masked_and_flushing = 0x9fc0;  // FTZ, DAZ, all exceptions masked, to nearest
+  unsigned control_;
+#else
+  std::fenv_t control_;
+#endif
+};
+
+}  // namespace microfacet::bindings

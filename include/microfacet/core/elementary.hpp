@@ -1,0 +1,229 @@
+// Elementary functions of packs, from our own polynomials, so that a result is the same bits on every
+// instruction set that rounds a * b + c once. They are written on any R with float or double lanes, float and
+// double themselves included (namespace elementary), and found by argument-dependent lookup for a pack.
+//
+// Reductions after W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980. Below the
+// normal numbers arguments and results count as zero.
+#pragma once
+
+#include <array>
+#include <bit>
+
+#include "microfacet/core/chebyshev.hpp"
+#include "microfacet/core/elementary_coefficients.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/pack.hpp"
+
+namespace microfacet {
+
+namespace elementary {
+
+template <class R>
+inline constexpr bool has_lanes = std::is_floating_point_v<R>;
+
+template <class R>
+struct integers_of {
+  using type = integer_of<R>;
+};
+
+template <std::floating_point T>
+integer_of<T> bits(T x) {
+  return std::bit_cast<integer_of<T>>(x);
+}
+template <std::floating_point T>
+T from_bits(integer_of<T> i, T) {
+  return std::bit_cast<T>(i);
+}
+
+#if MICROFACET_VECTOR_EXTENSIONS
+template <class T, std::size_t B, int K>
+inline constexpr bool has_lanes<pack<T, B, K>> = std::is_floating_point_v<T>;
+template <class T, std::size_t B, int K>
+struct integers_of<pack<T, B, K>> {
+  using type = typename pack<T, B, K>::integers;
+};
+#endif
+
+// The numbers that depend on the format of a lane.
+template <class Real>
+struct format_of_lane;
+template <>
+struct format_of_lane<float> {
+  static constexpr int mantissa = 23;
+  static constexpr std::int32_t half = 0x3f000000, sqrt_half = 0x3f3504f3;
+  static constexpr std::int32_t magnitude = 0x7fffffff, upper_half = ~0xfff;
+  static constexpr float round = 0x1.8p23f;  // adding it rounds to an integer, which the low bits then hold
+  static constexpr float ln2_high = 0x1.63p-1f, ln2_low = -0x1.bd0106p-13f;  // n ln2_high is exact
+  static constexpr float least = -86.6f, most = 88.722839f;                  // arguments of exp
+  static constexpr auto& exp = coefficients::exp_32;
+  static constexpr auto& log = coefficients::log_32;
+  static constexpr auto& sin = coefficients::sin_32;
+  static constexpr auto& cos = coefficients::cos_32;
+};
+template <>
+struct format_of_lane<double> {
+  static constexpr int mantissa = 52;
+  static constexpr std::int64_t half = 0x3fe0000000000000, sqrt_half = 0x3fe6a09e667f3bcd;
+  static constexpr std::int64_t magnitude = 0x7fffffffffffffff, upper_half = ~0x7ffffff;
+  static constexpr double round = 0x1.8p52;
+  static constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
+  static constexpr double least = -707.7, most = 709.78271289338397;
+  static constexpr auto& exp = coefficients::exp_64;
+  static constexpr auto& log = coefficients::log_64;
+  static constexpr auto& sin = coefficients::sin_64;
+  static constexpr auto& cos = coefficients::cos_64;
+};
+template <class R>
+using format = format_of_lane<typename scalar_traits<R>::real>;
+template <class R>
+using integers = typename integers_of<R>::type;
+
+template <class R>
+MICROFACET_INLINE R abs(const R& x) {
+  return from_bits(integers<R>(bits(x) & integers<R>(format<R>::magnitude)), x);
+}
+
+// For |x| < 2^51 (float: 2^22).
+template <class R>
+MICROFACET_INLINE R round(const R& x) {
+  return (x + R(format<R>::round)) - R(format<R>::round);
+}
+template <class R>
+MICROFACET_INLINE R floor(const R& x) {
+  const R nearest = elementary::round(x);
+  return select(nearest > x, R(nearest - R(1)), nearest);
+}
+
+// a * b - p for p = a * b rounded: fused, or by splitting both factors (Dekker, Numer. Math. 18, 1971).
+template <class R>
+MICROFACET_INLINE R product_error(const R& a, const R& b, const R& p) {
+#if MICROFACET_FUSED
+  return multiply_add(a, b, R(-p));
+#else
+  const integers<R> upper(format<R>::upper_half);
+  const R a1 = from_bits(integers<R>(bits(a) & upper), a), b1 = from_bits(integers<R>(bits(b) & upper), b);
+  const R a2 = a - a1, b2 = b - b1;
+  return ((a1 * b1 - p) + (a1 * b2 + a2 * b1)) + a2 * b2;
+#endif
+}
+
+// x + low = n ln 2 + rest: `excess` is exp(rest) - 1 and `power` 2^(n - 1), which is normal where exp(x) is.
+template <class R>
+struct reduced {
+  R excess, power;
+};
+template <class R>
+MICROFACET_INLINE reduced<R> reduce(const R& x, const R& low) {
+  using f = format<R>;
+  const R shifted = multiply_add(x, R(std::numbers::log2e), R(f::round)), n = shifted - R(f::round);
+  const R rest = multiply_add(n, R(-f::ln2_low), R(multiply_add(n, R(-f::ln2_high), x))) + low;
+  const R excess = multiply_add(R(rest * rest), polynomial(f::exp, rest), rest);
+  return {excess, from_bits(integers<R>((bits(shifted) << f::mantissa) + integers<R>(f::half)), x)};
+}
+template <class R>
+MICROFACET_INLINE R exp(const R& x, const R& low) {
+  const reduced<R> e = reduce(x, low);
+  const R value = multiply_add(R(2), e.excess, R(2)) * e.power;
+  return select(x < R(format<R>::least), R(0), select(x > R(format<R>::most), R(inf), value));
+}
+template <class R>
+MICROFACET_INLINE R exp(const R& x) {
+  return elementary::exp(x, R(0));
+}
+template <class R>
+MICROFACET_INLINE R expm1(const R& x) {
+  const reduced<R> e = reduce(x, R(0));
+  const R value = R(2) * multiply_add(e.power, e.excess, R(e.power - R(0.5)));
+  return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), R(inf), value));
+}
+
+// log(x + low) as the sum of two, for |low| much below x: x = 2^n m, m in [sqrt(1/2), sqrt(2)).
+template <class R>
+struct logarithm {
+  R high, low;
+};
+template <class R>
+MICROFACET_INLINE logarithm<R> log(const R& x, const R& low) {
+  using f = format<R>;
+  const integers<R> n = (bits(x) - integers<R>(f::sqrt_half)) >> f::mantissa, shift = n << f::mantissa;
+  const R m = from_bits(integers<R>(bits(x) - shift), x);
+  const R power = from_bits(integers<R>(integers<R>(bits(R(1))) - shift), x);  // 2^-n
+  const R real_n = from_bits(integers<R>(bits(R(f::round)) + n), x) - R(f::round);
+  // log(1 + e) = e - (e^2/2 - s (e^2/2 + s^2 R(s^2))), s = e/(2 + e): the rounding of s enters but once.
+  const R e = multiply_add(low, power, R(m - R(1))), s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
+  const R less = half - s * multiply_add(s2, polynomial(f::log, s2), half);
+  const R tail = e - multiply_add(real_n, R(-f::ln2_low), less), head = real_n * R(f::ln2_high);
+  const R sum = head + tail;
+  const R value = select(x < R(inf), sum, x);
+  const R below = select(x < R(0), nan<R>(), R(-inf));
+  return {select(x < smallest<R>(), below, value), tail - (sum - head)};
+}
+template <class R>
+MICROFACET_INLINE R log(const R& x) {
+  return elementary::log(x, R(0)).high;
+}
+template <class R>
+MICROFACET_INLINE R log1p(const R& x) {
+  const R one_more = R(1) + x, t = one_more - R(1), low = (R(1) - (one_more - t)) + (x - t);
+  return elementary::log(one_more, R(select(x < R(inf), low, R(0)))).high;
+}
+
+// For x >= 0.
+template <class R>
+MICROFACET_INLINE R pow(const R& x, const R& y) {
+  const logarithm<R> l = elementary::log(x, R(0));
+  const R p = y * l.high;
+  return elementary::exp(p, R(multiply_add(y, l.low, elementary::product_error(y, l.high, p))));
+}
+
+// cos and sin of 2 pi x.
+template <class R>
+struct circle {
+  R cosine, sine;
+};
+template <class R>
+MICROFACET_INLINE circle<R> cos_sin_of_turns(const R& x) {
+  using f = format<R>;
+  const R shifted = x * R(4) + R(f::round), y = R(4) * x - (shifted - R(f::round)), y2 = y * y;
+  // sin(pi y/2) with its first term last, so that its rounding is the only one that counts.
+  const R s = multiply_add(y, R(f::sin[0]), R(y * y2 * polynomial<1>(f::sin, y2))), c = polynomial(f::cos, y2);
+  const auto bit = [](int mask, const integers<R>& i) { return (i & integers<R>(mask)) != integers<R>(0); };
+  const integers<R> quarter = bits(shifted);
+  const auto swapped = bit(1, quarter), negative_sine = bit(2, quarter);
+  const auto negative_cosine = bit(2, integers<R>(quarter + integers<R>(1)));
+  const R cosine = select(swapped, s, c), sine = select(swapped, c, s);
+  return {select(negative_cosine, R(-cosine), cosine), select(negative_sine, R(-sine), sine)};
+}
+
+}  // namespace elementary
+
+// Zero for a scalar whose products are not known exactly.
+template <class T>
+MICROFACET_INLINE T product_error(const T& a, const T& b, const T& p) {
+  if constexpr (elementary::has_lanes<T>) {
+    return elementary::product_error(a, b, p);
+  } else {
+    return T(0);
+  }
+}
+
+#if MICROFACET_VECTOR_EXTENSIONS
+#define MICROFACET_OF_PACKS(NAME)                 \
+  template <class T, std::size_t B, int K>        \
+  MICROFACET_INLINE pack<T, B, K> NAME(const pack<T, B, K>& x) {    \
+    return elementary::NAME(x);                   \
+  }
+MICROFACET_OF_PACKS(abs)
+MICROFACET_OF_PACKS(floor)
+MICROFACET_OF_PACKS(exp)
+MICROFACET_OF_PACKS(expm1)
+MICROFACET_OF_PACKS(log)
+MICROFACET_OF_PACKS(log1p)
+#undef MICROFACET_OF_PACKS
+template <class T, std::size_t B, int K>
+MICROFACET_INLINE pack<T, B, K> pow(const pack<T, B, K>& x, const pack<T, B, K>& y) {
+  return elementary::pow(x, y);
+}
+#endif
+
+}  // namespace microfacet

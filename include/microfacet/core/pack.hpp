@@ -1,0 +1,101 @@
+// The thin SIMD type: K registers of `Bytes` bytes on the vector extensions of GCC and Clang. A kernel that is
+// written on a scalar T runs on it as it is; its mathematics is core/elementary.hpp. A pack of integers is the
+// mask of a comparison (all bits of a lane set, or none) and the bits of a pack of floating-point numbers.
+//
+// K > 1 interleaves independent registers, which hides latency in long chains of dependent operations.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/registers.hpp"
+
+#if defined(__GNUC__)
+#define MICROFACET_VECTOR_EXTENSIONS 1
+
+namespace microfacet {
+
+template <class T, std::size_t Bytes, int K = 1>
+struct pack {
+  static constexpr int size = static_cast<int>(Bytes / sizeof(T)) * K;
+  using lane = T;
+  using integers = pack<integer_of<T>, Bytes, K>;
+  typedef T vector __attribute__((vector_size(Bytes)));
+  vector v[K];
+
+  pack() = default;
+  template <class A>
+    requires std::is_arithmetic_v<A>
+  MICROFACET_INLINE explicit pack(A a) {
+    for (vector& r : v) r = static_cast<T>(a) - vector{};
+  }
+  template <class Lanes>
+  MICROFACET_INLINE static pack from(const Lanes& lanes) {  // lanes(k) is register k
+    pack r;
+    for (int k = 0; k < K; ++k) r.v[k] = lanes(k);
+    return r;
+  }
+  T operator[](int i) const { return v[i * K / size][i % (size / K)]; }
+  void set(int i, T x) { v[i * K / size][i % (size / K)] = x; }
+
+#define MICROFACET_BINARY(RESULT, OP)                            \
+  MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) {      \
+    return RESULT::from([&](int k) { return a.v[k] OP b.v[k]; }); \
+  }
+  MICROFACET_BINARY(pack, +)
+  MICROFACET_BINARY(pack, -)
+  MICROFACET_BINARY(pack, *)
+  MICROFACET_BINARY(pack, /)
+  MICROFACET_BINARY(pack, &)
+  MICROFACET_BINARY(pack, |)
+  MICROFACET_BINARY(pack, ^)
+  MICROFACET_BINARY(integers, <)
+  MICROFACET_BINARY(integers, >)
+  MICROFACET_BINARY(integers, <=)
+  MICROFACET_BINARY(integers, >=)
+  MICROFACET_BINARY(integers, ==)
+  MICROFACET_BINARY(integers, !=)
+#undef MICROFACET_BINARY
+#define MICROFACET_UNARY(EXPRESSION) return from([&](int k) { return EXPRESSION; });
+  MICROFACET_INLINE friend pack operator-(const pack& a) { MICROFACET_UNARY(-a.v[k]) }
+  MICROFACET_INLINE friend pack operator!(const pack& a) { MICROFACET_UNARY(~a.v[k]) }
+  MICROFACET_INLINE friend pack operator<<(const pack& a, int n) { MICROFACET_UNARY(a.v[k] << n) }
+  MICROFACET_INLINE friend pack operator>>(const pack& a, int n) { MICROFACET_UNARY(a.v[k] >> n) }
+
+  MICROFACET_INLINE friend pack select(const integers& mask, const pack& a, const pack& b) {
+    MICROFACET_UNARY(mask.v[k] ? a.v[k] : b.v[k])
+  }
+  MICROFACET_INLINE friend integers bits(const pack& a) {
+    return integers::from([&](int k) { return std::bit_cast<typename integers::vector>(a.v[k]); });
+  }
+  MICROFACET_INLINE friend pack from_bits(const integers& a, const pack&) {  // the pack only names the type
+    MICROFACET_UNARY(std::bit_cast<vector>(a.v[k]))
+  }
+  MICROFACET_INLINE friend pack sqrt(const pack& a) { MICROFACET_UNARY(registers::sqrt(a.v[k])) }
+  MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c) {
+#if MICROFACET_FUSED
+    MICROFACET_UNARY(registers::fused(a.v[k], b.v[k], c.v[k]))
+#else
+    return a * b + c;
+#endif
+  }
+#undef MICROFACET_UNARY
+};
+
+template <class T, std::size_t B, int K>
+MICROFACET_INLINE bool any(const pack<T, B, K>& mask) {
+  T all{};
+  for (int i = 0; i < pack<T, B, K>::size; ++i) all |= mask[i];
+  return all != 0;
+}
+
+template <class T, std::size_t B, int K>
+struct scalar_traits<pack<T, B, K>> {
+  using real = T;
+};
+
+}  // namespace microfacet
+#endif

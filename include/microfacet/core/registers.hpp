@@ -1,0 +1,55 @@
+// The two instructions that a register's operators do not reach: a * b + c rounded once, and sqrt. On x86-64 by
+// name, elsewhere by a loop over the lanes that the compiler turns into the instruction if it can.
+#pragma once
+
+#include <cmath>
+
+#include "microfacet/core/math.hpp"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace microfacet::registers {
+
+template <class Vector>
+MICROFACET_INLINE Vector sqrt(Vector a) {
+  for (unsigned i = 0; i < sizeof a / sizeof a[0]; ++i) a[i] = std::sqrt(a[i]);
+  return a;
+}
+template <class Vector>
+MICROFACET_INLINE Vector fused(Vector a, const Vector& b, const Vector& c) {
+  for (unsigned i = 0; i < sizeof a / sizeof a[0]; ++i) a[i] = std::fma(a[i], b[i], c[i]);
+  return a;
+}
+
+#if defined(__x86_64__)
+#define MICROFACET_REGISTER(TYPE, PREFIX, SUFFIX) \
+  MICROFACET_INLINE TYPE sqrt(TYPE a) { return PREFIX##_sqrt_##SUFFIX(a); }
+#define MICROFACET_FUSED_REGISTER(TYPE, PREFIX, SUFFIX)          \
+  MICROFACET_INLINE TYPE fused(TYPE a, TYPE b, TYPE c) {         \
+    return PREFIX##_fmadd_##SUFFIX(a, b, c);                     \
+  }
+MICROFACET_REGISTER(__m128, _mm, ps)
+MICROFACET_REGISTER(__m128d, _mm, pd)
+#if defined(__AVX__)
+MICROFACET_REGISTER(__m256, _mm256, ps)
+MICROFACET_REGISTER(__m256d, _mm256, pd)
+#endif
+#if defined(__FMA__)
+MICROFACET_FUSED_REGISTER(__m128, _mm, ps)
+MICROFACET_FUSED_REGISTER(__m128d, _mm, pd)
+MICROFACET_FUSED_REGISTER(__m256, _mm256, ps)
+MICROFACET_FUSED_REGISTER(__m256d, _mm256, pd)
+#endif
+#if defined(__AVX512F__)
+MICROFACET_REGISTER(__m512, _mm512, ps)
+MICROFACET_REGISTER(__m512d, _mm512, pd)
+MICROFACET_FUSED_REGISTER(__m512, _mm512, ps)
+MICROFACET_FUSED_REGISTER(__m512d, _mm512, pd)
+#endif
+#undef MICROFACET_REGISTER
+#undef MICROFACET_FUSED_REGISTER
+#endif
+
+}  // namespace microfacet::registers

@@ -1,0 +1,127 @@
+// Numbers as the unevaluated sum of two: exponents need more digits than their results, since exp(-r) carries
+// the rounding of r times r (Dekker, Numerische Mathematik 18, 1971; Ogita, Rump and Oishi, SIAM J. Sci.
+// Comput. 26, 2005). A T becomes a twofold by itself; one whose products are not known exactly keeps low = 0.
+// `high` alone is rounded to within `low`, which need not be as small as the rounding of `high`: where one T is
+// wanted, take sum(). Beside an infinite high, low is nan, and exp and log_twofold know that.
+#pragma once
+
+#include <type_traits>
+
+#include "microfacet/core/elementary.hpp"
+#include "microfacet/core/math.hpp"
+
+namespace microfacet {
+
+template <class T>
+struct twofold {
+  T high, low;
+
+  MICROFACET_INLINE twofold(const T& value) : high(value), low(T(0)) {}
+  MICROFACET_INLINE twofold(const T& h, const T& l) : high(h), low(l) {}
+
+  MICROFACET_INLINE T sum() const {
+    const T s = high + low;
+    return select(s == s, s, high);
+  }
+
+  friend twofold operator-(const twofold& a) { return {-a.high, -a.low}; }
+  MICROFACET_INLINE friend twofold operator*(const T& power_of_two, const twofold& a) {
+    return {power_of_two * a.high, power_of_two * a.low};
+  }
+  MICROFACET_INLINE friend twofold operator*(const twofold& a, const twofold& b) {
+    const T p = a.high * b.high;
+    return {p, multiply_add(a.high, b.low, multiply_add(a.low, b.high, product_error(a.high, b.high, p)))};
+  }
+};
+
+template <class T>
+MICROFACET_INLINE twofold<T> exact_product(const T& a, const T& b) {
+  const T p = a * b;
+  return {p, product_error(a, b, p)};
+}
+
+// a - b * c where b * c is a rounded: without error.
+template <class T>
+MICROFACET_INLINE T exact_residual(const T& a, const T& b, const T& c) {
+  if constexpr (MICROFACET_FUSED) {
+    return multiply_add(T(-b), c, a);
+  } else {
+    const T p = b * c;
+    return (a - p) - product_error(b, c, p);
+  }
+}
+
+// Of |a| >= |b|, and of any two.
+template <class T>
+MICROFACET_INLINE twofold<T> exact_sum_of_ordered(const T& a, const T& b) {
+  const T s = a + b;
+  return {s, b - (s - a)};
+}
+template <class T>
+MICROFACET_INLINE twofold<T> exact_sum(const T& a, const T& b) {
+  const T s = a + b, t = s - a;
+  return {s, (a - (s - t)) + (b - t)};
+}
+
+template <class T>
+MICROFACET_INLINE twofold<T> operator+(const twofold<T>& a, const twofold<T>& b) {
+  const twofold<T> sum = exact_sum(a.high, b.high);
+  return {sum.high, sum.low + (a.low + b.low)};
+}
+
+// a/b, given 1/b.high.
+template <class T>
+MICROFACET_INLINE twofold<T> quotient(const twofold<T>& a, const twofold<T>& b, const T& reciprocal) {
+  const T q = a.high * reciprocal;
+  const T rest = exact_residual(a.high, q, b.high) + multiply_add(T(-q), b.low, a.low);
+  return {q, rest * reciprocal};
+}
+template <class T>
+MICROFACET_INLINE twofold<T> quotient(const twofold<T>& a, const twofold<T>& b) {
+  return quotient(a, b, T(T(1) / b.high));
+}
+
+template <class T>
+MICROFACET_INLINE twofold<T> sqrt(const twofold<T>& a) {
+  const T root = sqrt(a.high);
+  return {root, T(0.5) * (exact_residual(a.high, root, root) + a.low) / root};
+}
+
+// log(a) of a positive a; a scalar of another kind than elementary.hpp knows loses what its log rounds.
+template <class T>
+MICROFACET_INLINE twofold<T> log_twofold(const twofold<T>& a) {
+  if constexpr (elementary::has_lanes<T>) {
+    const elementary::logarithm<T> l = elementary::log(a.high, a.low);
+    return {l.high, l.low};
+  } else {
+    return {log(a.high), a.low / a.high};
+  }
+}
+
+template <class T>
+MICROFACET_INLINE twofold<T> log1p_twofold(const twofold<T>& a) {
+  const twofold<T> sum = exact_sum(T(1), a.high);
+  return log_twofold(twofold<T>(sum.high, T(sum.low + a.low)));
+}
+
+template <class T>
+MICROFACET_INLINE twofold<T> abs(const twofold<T>& a) {
+  const auto negative = a.high < T(0);
+  return {select(negative, -a.high, a.high), select(negative, -a.low, a.low)};
+}
+
+template <class T>
+MICROFACET_INLINE twofold<T> square(const twofold<T>& a) {
+  return a * a;
+}
+
+template <class T>
+MICROFACET_INLINE T exp(const twofold<T>& x) {
+  if constexpr (elementary::has_lanes<T>) {
+    return elementary::exp(x.high, x.low);
+  } else {
+    return exp(x.high) * (T(1) + x.low);
+  }
+}
+
+}  // namespace microfacet

@@ -1,0 +1,33 @@
+"""The compiled kernels, in the best build that this processor runs.
+
+The same source is compiled for several instruction sets, each into a module of its own: ``baseline`` and, on
+x86-64, ``avx2`` and ``avx512``. The environment variable ``MICROFACET_ISA`` forces one of them. Results are
+the same bits in all builds that round a * b + c once, that is in all but an x86-64 baseline.
+"""
+
+from __future__ import annotations
+
+import os
+from importlib import import_module
+from importlib.util import find_spec
+
+from microfacet._core.processor import instruction_sets
+
+__all__ = ["isa"]
+
+
+def _chosen(available: tuple[str, ...]) -> str:
+    forced = os.environ.get("MICROFACET_ISA")
+    if forced is None:
+        return available[-1]
+    if forced not in available:
+        raise ImportError(f"MICROFACET_ISA must be one of {', '.join(available)} here, got {forced!r}")
+    return forced
+
+
+# A compiler that lacks an instruction set leaves its module out.
+isa = _chosen(tuple(name for name in instruction_sets() if find_spec(f"{__name__}.{name}")))
+_kernels = import_module(f"{__name__}.{isa}")
+families = _kernels.families
+exp = _kernels.exp
+globals().update({name: getattr(_kernels, name) for name in families})
