@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,12 @@ import click
 
 from . import charts, gate, machine, page, scaling_page, suite
 from .results import Results, write_whole
-from .runner import CONSOLE, consume, measure, show
+from .runner import CONSOLE, Settings, consume, measure, show
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "performance.md"
-TRY = {"seconds": 0.05, "lengths": (suite.CACHE,), "longest": 10_000}
-FULL = {"seconds": 0.4, "lengths": (suite.CACHE, suite.MILLION, suite.MEMORY), "longest": 10**8}
+TRY = Settings(seconds=0.05, lengths=(suite.CACHE,), longest=10_000)
+FULL = Settings(seconds=0.4, lengths=(suite.CACHE, suite.MILLION, suite.MEMORY), longest=10**8)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -52,15 +53,14 @@ def run(
 
     The page of a part (--quick, --only, --length) is written only where --output says.
     """
-    settings = dict(TRY if quick else FULL)
-    settings |= {"lengths": lengths} if lengths else {}
-    settings |= {"seconds": seconds} if seconds else {}
+    usual = TRY if quick else FULL
+    settings = replace(usual, seconds=seconds or usual.seconds, lengths=lengths or usual.lengths)
     results = Results(machine.describe(), f"{datetime.datetime.now():%Y-%m-%d %H:%M}")
     if results.machine["busy"] > 0.5:
         CONSOLE.print(
             "Another process is using the processors: what follows will be worse than it is.", style="yellow"
         )
-    measure(results, only, **settings)
+    measure(results, only, settings)
     show(results)
     if file:
         results.write(file)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -10,6 +11,7 @@ matplotlib.use("agg")
 
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from microfacet.plot import COLORS
@@ -71,7 +73,7 @@ def _legend(ax: Axes) -> None:
         "copy, float32": Line2D([], [], color=COPY),
         "own exp, float32": Line2D([], [], color=COPY, ls="--"),
     }
-    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 3}
+    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 3}
     ax.legend(marks.values(), marks.keys(), fontsize=8, frameon=False, **place)
 
 
@@ -119,7 +121,7 @@ def _threads(ax: Axes, results: Results) -> None:
     ax.grid(lw=0.4, alpha=0.5)
 
 
-def _save(figure: plt.Figure, path: Path) -> None:
+def _save(figure: Figure, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=130, metadata={"Software": None})
     plt.close(figure)

@@ -15,12 +15,13 @@ from pathlib import Path
 from .kernels import KERNELS, Inputs, Kernel
 from .machine import instruction_set
 from .results import write_whole
-from .suite import CACHE, DTYPES, Measurement, measure
+from .suite import CACHE, DTYPES, Measurement, elements_in, measure
 
 THRESHOLDS = Path(__file__).with_name("thresholds.toml")
 MARGIN = 0.5  # of the measured ratio: a kernel that takes twice as long fails
 COPY_MARGIN = 0.2
 ATTEMPTS = 3
+LONGEST_CALL = 5e-4  # seconds
 GATED = tuple(kernel for kernel in KERNELS if kernel.form != "x, y, z" or kernel.quantity == "D")
 HEAD = """\
 # The least ratios (speed of the kernel over that of the contender) that `make bench-check` lets pass: half of
@@ -48,25 +49,24 @@ def shortfalls(measurement: Measurement, least: dict[str, float]) -> Iterator[st
             )
 
 
-def check(
-    seconds: float, thresholds: Thresholds, kernels: tuple[Kernel, ...] = GATED, length: int = CACHE
-) -> Iterator[tuple[str, list[str]]]:
+def check(seconds: float, thresholds: Thresholds) -> Iterator[tuple[str, list[str]]]:
     """Measure every kernel that has a threshold here; its name with what falls short, if anything does."""
     known = thresholds.get(instruction_set(), {})
     for dtype in DTYPES:
-        inputs = Inputs(length, dtype)
-        for kernel in kernels:
+        for kernel in GATED:
             if least := known.get(f"{kernel.name} {dtype}"):
                 found: list[str] = []
                 for attempt in range(ATTEMPTS):
-                    found = list(shortfalls(_measured(kernel, inputs, seconds * (1 + attempt)), least))
+                    found = list(shortfalls(_measured(kernel, dtype, seconds * (1 + attempt)), least))
                     if not found:
                         break
                 yield kernel.name, found
 
 
-def _measured(kernel: Kernel, inputs: Inputs, seconds: float) -> Measurement:
-    measurement = measure(kernel, inputs, seconds)
+def _measured(kernel: Kernel, dtype: str, seconds: float) -> Measurement:
+    """On an array so short that other processes interrupt no more than some of the calls."""
+    length = min(CACHE, max(64, elements_in(kernel, dtype, LONGEST_CALL)))
+    measurement = measure(kernel, Inputs(length, dtype), seconds)
     assert measurement is not None  # short arrays are never too slow
     return measurement
 
@@ -76,9 +76,8 @@ def record(seconds: float, path: Path = THRESHOLDS) -> Iterator[str]:
     thresholds = read(path)
     mine = thresholds[instruction_set()] = {}
     for dtype in DTYPES:
-        inputs = Inputs(CACHE, dtype)
         for kernel in GATED:
-            m = _measured(kernel, inputs, seconds)
+            m = _measured(kernel, dtype, seconds)
             ours = m.speeds["ours"]
             mine[f"{kernel.name} {dtype}"] = {
                 name: float(f"{ours / speed * (COPY_MARGIN if name == 'copy' else MARGIN):.3g}")

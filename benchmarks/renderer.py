@@ -81,6 +81,13 @@ def usable() -> tuple[tuple[str, ...], str | None]:
     return names, f"not with Mitsuba here: {', '.join(missing)}. {ADVICE}" if missing else None
 
 
+def llvm() -> str:
+    """The version of the library that Dr.Jit compiles with; only after a `run`."""
+    import drjit
+
+    return ".".join(map(str, drjit.detail.llvm_version()))
+
+
 def counterpart(name: str) -> Kernel:
     """The same evaluation by this library."""
     family, quantity = name.split(".")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
 
@@ -20,21 +21,29 @@ CONSOLE = Console(width=None if sys.stdout.isatty() else 130)
 LARGE_NEEDS = 6 << 30  # bytes, for the arrays beyond the cache
 
 
-def measure(results: Results, only: str, *, seconds: float, lengths: tuple[int, ...], longest: int) -> None:
+@dataclass(frozen=True)
+class Settings:
+    """How much is measured."""
+
+    seconds: float  # for each kernel, precision and length
+    lengths: tuple[int, ...]  # of the arrays that kernels are measured on
+    longest: int  # array of the scaling study
+
+
+def measure(results: Results, only: str, settings: Settings) -> None:
     """Fill `results` with everything whose name fits `only`."""
     chosen = [kernel for kernel in KERNELS if kernel.matches(only)]
-    if machine.available_memory() < LARGE_NEEDS:
-        short = tuple(n for n in lengths if n <= suite.MILLION)
-        if short != lengths:
-            results.notes.append("arrays beyond the cache (less than 6 GB of memory are available)")
-            lengths = short
+    lengths = settings.lengths
+    if machine.available_memory() < LARGE_NEEDS and max(lengths) > suite.MILLION:
+        results.notes.append("arrays beyond the cache (less than 6 GB of memory are available)")
+        lengths = tuple(n for n in lengths if n <= suite.MILLION)
     jobs = suite.plan(chosen, lengths)
-    for _, m in consume(suite.run(jobs, seconds), len(jobs), lambda entry: entry[0]):
+    for _, m in consume(suite.run(jobs, settings.seconds), len(jobs), lambda entry: entry[0]):
         if m is not None:
             results.measurements.append(m)
     million = max((n for n in lengths if n <= suite.MILLION), default=suite.MILLION)
-    _measure_renderer(results, only, seconds, million)
-    _measure_scaling(results, only, seconds, longest)
+    _measure_renderer(results, only, settings.seconds, million)
+    _measure_scaling(results, only, settings.seconds, settings.longest)
 
 
 def _measure_renderer(results: Results, only: str, seconds: float, length: int) -> None:
@@ -51,6 +60,7 @@ def _measure_renderer(results: Results, only: str, seconds: float, length: int) 
         for m, off in consume(measured, None, lambda entry: f"Mitsuba {entry[0].kernel}"):
             results.mitsuba.append(m)
             results.deviations[m.kernel] = off
+        results.machine["versions"]["LLVM"] = renderer.llvm()
 
 
 def _measure_scaling(results: Results, only: str, seconds: float, longest: int) -> None:
@@ -104,7 +114,8 @@ def show(results: Results) -> None:
             *(_brief(m.ratios.get(name)) for name in ("copy", "own exp")),
             "  ".join(others),
         )
-    CONSOLE.print(rows)
+    if rows.row_count:
+        CONSOLE.print(rows)
     for sentence in page.missed(results):
         CONSOLE.print(sentence)
 

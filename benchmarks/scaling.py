@@ -21,6 +21,7 @@ import microfacet as mf
 
 from .kernels import PARAMETERS, Array, Inputs, Kernel, bind
 from .machine import available_memory, cores
+from .suite import elements_in
 from .threads import parts, together
 from .timing import Contender, Spread, interleave, ratio, speed
 
@@ -31,8 +32,8 @@ CURVES = (
     Kernel("bessel_k", "Lambda"),
 )
 LENGTHS = tuple(round(10 ** (k / 2)) for k in range(17))  # 1 to 1e8
-LONGEST_CALL = 2.0  # seconds; a curve ends before a call takes longer
-PARALLEL = 1 << 22
+LONGEST_CALL = 1.0  # seconds; a curve ends before a call takes longer
+PARALLEL = 1 << 24
 PREPARED = (1 << 14, 1 << 17)
 
 Record = dict[str, Any]
@@ -78,11 +79,12 @@ def calls(seconds: float) -> Iterator[Record]:
         yield {"call": name, "ufunc": ours, "time": vars(Spread.of(t))}
 
 
-def threads(seconds: float, length: int = PARALLEL) -> Iterator[Record]:
+def threads(seconds: float, longest: int = PARALLEL) -> Iterator[Record]:
     """Speed on 1 to all processors, through concurrent.futures and through dask, relative to one thread."""
     for dtype in ("float32", "float64"):
-        inputs = Inputs(length, dtype)
         for kernel in CURVES:
+            length = min(longest, elements_in(kernel, dtype, LONGEST_CALL / 5))
+            inputs = Inputs(length, dtype)
             with ThreadPoolExecutor(cores()) as pool:
                 contenders = []
                 for count in range(1, cores() + 1):

@@ -35,7 +35,7 @@ def threads(results: Results) -> Iterator[str]:
     records = results.scaling.get("threads")
     if not records:
         return
-    length = records[0]["length"]
+    length = max(r["length"] for r in records)
     yield "## Threads and dask\n"
     yield f"""\
 {elements(length)} elements, split among the threads of a `concurrent.futures.ThreadPoolExecutor`, or as a

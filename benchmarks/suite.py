@@ -18,7 +18,7 @@ from .timing import Contender, Spread, Times, interleave, ratios, speed
 DTYPES = ("float32", "float64")
 CACHE, MILLION, MEMORY = 1 << 14, 1 << 20, 1 << 26
 SLICE = 1 << 15  # expressions run on at most so many elements: their temporaries stay in the cache
-LONGEST_PEER = 5e-3  # seconds, for a call of an expression
+LONGEST_PEER = 1e-3  # seconds, for a call of an expression
 SLOWEST_CALL = 1.0  # seconds; a kernel that takes longer is left out at that length
 
 
@@ -51,13 +51,12 @@ class Measurement:
 
 
 def yardsticks(inputs: Inputs) -> list[Contender]:
-    """A copy, the library's exp and NumPy's, on the first argument's array."""
+    """A copy, the library's exp and, for arrays that fit a cache, NumPy's."""
     out, u, n = inputs.out, inputs.u, inputs.length
-    return [
-        Contender("copy", partial(np.copyto, out, u), n),
-        Contender("own exp", partial(_core.exp, u, out=out), n),
-        Contender("numpy.exp", partial(np.exp, u, out=out), n),
-    ]
+    calls = {"copy": partial(np.copyto, out, u), "own exp": partial(_core.exp, u, out=out)}
+    if n <= MILLION:
+        calls["numpy.exp"] = partial(np.exp, u, out=out)
+    return [Contender(name, call, n) for name, call in calls.items()]
 
 
 def peers(kernel: Kernel, inputs: Inputs) -> list[Contender]:
@@ -76,8 +75,14 @@ def _peer(name: str, expression: Expression, given: tuple[Any, ...]) -> Contende
         cut = [a[:length] if isinstance(a, np.ndarray) else a for a in given]
         return Contender(name, partial(_quiet, expression, cut), len(cut[0]))
 
-    affordable = int(LONGEST_PEER * speed(interleave([on(1 << 10)], 0.0)[name]))
-    return on(min(SLICE, max(1 << 10, affordable)))
+    affordable = int(LONGEST_PEER * speed(interleave([on(256)], 0.0)[name]))
+    return on(min(SLICE, max(32, affordable)))
+
+
+def elements_in(kernel: Kernel, dtype: str, seconds: float) -> int:
+    """How many elements one call evaluates in `seconds`, judged by its speed on CACHE elements."""
+    call = Contender("ours", bind(kernel, Inputs(CACHE, dtype)), CACHE)
+    return int(seconds * speed(interleave([call], 0.0)["ours"]))
 
 
 def _quiet(expression: Expression, given: list[Any]) -> Array:
@@ -97,11 +102,8 @@ def measure(kernel: Kernel, inputs: Inputs, seconds: float, *, beside: bool = Tr
     beside : bool
         Whether the NumPy and SciPy expressions take part.
     """
-    if inputs.length > CACHE:
-        small = Inputs(CACHE, inputs.dtype.name)
-        call = Contender("ours", bind(kernel, small), CACHE)
-        if inputs.length / speed(interleave([call], 0.0)["ours"]) > SLOWEST_CALL:
-            return None
+    if inputs.length > CACHE and inputs.length > elements_in(kernel, inputs.dtype.name, SLOWEST_CALL):
+        return None
     contenders = [Contender("ours", bind(kernel, inputs), inputs.length), *yardsticks(inputs)]
     contenders += peers(kernel, inputs) if beside else []
     times = interleave(contenders, seconds, warm=inputs.length <= MILLION)

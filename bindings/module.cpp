@@ -65,11 +65,16 @@ struct exponential {
 };
 struct no_model {
   struct family {
-    static constexpr bool native_float32 = true;
+    static constexpr bool native_float32 = true, costly = false, shape_invariant = false;
+    static constexpr std::array<parameter, 0> parameters{};
   };
-  static constexpr std::size_t count = 0, scales = 0;
+  struct tag {
+    template <class Lanes>
+    struct type {};
+  };
+  static constexpr std::size_t count = 0, scales = 0, first = 0;
   template <class Lanes>
-  static int make(const twofold<Lanes>*) {
+  static int shape(const twofold<Lanes>*) {
     return 0;
   }
 };

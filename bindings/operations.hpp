@@ -1,14 +1,15 @@
-// The quantities that Python sees, as operations on a distribution: name, numbers of inputs and outputs,
-// meaning.
+// The quantities that Python sees, as operations on a distribution: name, numbers of inputs and outputs, the
+// functions of the density that they need, meaning.
 #pragma once
 
 #include "ufunc.hpp"
 
 namespace microfacet::bindings {
 
-#define MICROFACET_OPERATION(TYPE, NAME, INPUTS, EXPRESSION)          \
+#define MICROFACET_OPERATION(TYPE, NAME, INPUTS, NEEDS, EXPRESSION)   \
   struct TYPE {                                                       \
     static constexpr const char* name = NAME;                         \
+    static constexpr unsigned needs = NEEDS;                          \
     static constexpr layout<INPUTS> shape{};                          \
     template <class Distribution, class T>                            \
     MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) { \
@@ -18,30 +19,30 @@ namespace microfacet::bindings {
 #define MICROFACET_VECTOR(I) (vec3<T>{x[I], x[I + 1], x[I + 2]})
 
 // Of a cosine or slopes, isotropic.
-MICROFACET_OPERATION(D_of_cosine, "D", 1, ndf.D(cosine<T>(x[0])))
-MICROFACET_OPERATION(sigma_of_cosine, "sigma", 1, ndf.sigma(cosine<T>(x[0])))
-MICROFACET_OPERATION(Lambda_of_cosine, "Lambda", 1, ndf.Lambda(cosine<T>(x[0])))
-MICROFACET_OPERATION(G1_of_cosine, "G1", 1, ndf.G1(cosine<T>(x[0])))
-MICROFACET_OPERATION(survival_of_slope, "survival", 1, survival(ndf, x[0]))
-MICROFACET_OPERATION(slope_sample, "sample_slope", 1, sample_slope(ndf.family(), ndf.shape(), x[0]))
-MICROFACET_OPERATION(cosine_sample, "sample_u", 1,
+MICROFACET_OPERATION(D_of_cosine, "D", 1, of_P22, ndf.D(cosine<T>(x[0])))
+MICROFACET_OPERATION(sigma_of_cosine, "sigma", 1, of_slope_excess, ndf.sigma(cosine<T>(x[0])))
+MICROFACET_OPERATION(Lambda_of_cosine, "Lambda", 1, of_slope_excess, ndf.Lambda(cosine<T>(x[0])))
+MICROFACET_OPERATION(G1_of_cosine, "G1", 1, of_slope_excess, ndf.G1(cosine<T>(x[0])))
+MICROFACET_OPERATION(survival_of_slope, "survival", 1, of_survival, survival(ndf, x[0]))
+MICROFACET_OPERATION(slope_sample, "sample_slope", 1, of_radius, sample_slope(ndf.family(), ndf.shape(), x[0]))
+MICROFACET_OPERATION(cosine_sample, "sample_u", 1, of_radius,
                      cosine_of_slope(sample_slope(ndf.family(), ndf.shape(), x[0])))
 
 // Of slopes, under any shape.
-MICROFACET_OPERATION(P22_of_slopes, "P22", 2, ndf.P22(x[0], x[1]))
-MICROFACET_OPERATION(P2_of_slope, "P2", 1, ndf.P2(x[0]))
-MICROFACET_OPERATION(cdf_of_slope, "slope_cdf", 1, ndf.slope_cdf(x[0]))
+MICROFACET_OPERATION(P22_of_slopes, "P22", 2, of_P22, ndf.P22(x[0], x[1]))
+MICROFACET_OPERATION(P2_of_slope, "P2", 1, of_P2, ndf.P2(x[0]))
+MICROFACET_OPERATION(cdf_of_slope, "slope_cdf", 1, of_slope_sf, ndf.slope_cdf(x[0]))
 
 // Of directions, under any shape.
-MICROFACET_OPERATION(D_of_normal, "D", 3, ndf.D(MICROFACET_VECTOR(0)))
-MICROFACET_OPERATION(pdf_of_normal, "pdf", 3, ndf.pdf(MICROFACET_VECTOR(0)))
-MICROFACET_OPERATION(sigma_of_direction, "sigma", 3, ndf.sigma(MICROFACET_VECTOR(0)))
-MICROFACET_OPERATION(Lambda_of_direction, "Lambda", 3, ndf.Lambda(MICROFACET_VECTOR(0)))
-MICROFACET_OPERATION(G1_of_direction, "G1", 3, ndf.G1(MICROFACET_VECTOR(0)))
-MICROFACET_OPERATION(G2_of_directions, "G2", 6, ndf.G2(MICROFACET_VECTOR(0), MICROFACET_VECTOR(3)))
-MICROFACET_OPERATION(G2_uncorrelated_of_directions, "G2_uncorrelated", 6,
+MICROFACET_OPERATION(D_of_normal, "D", 3, of_P22, ndf.D(MICROFACET_VECTOR(0)))
+MICROFACET_OPERATION(pdf_of_normal, "pdf", 3, of_P22, ndf.pdf(MICROFACET_VECTOR(0)))
+MICROFACET_OPERATION(sigma_of_direction, "sigma", 3, of_slope_excess, ndf.sigma(MICROFACET_VECTOR(0)))
+MICROFACET_OPERATION(Lambda_of_direction, "Lambda", 3, of_slope_excess, ndf.Lambda(MICROFACET_VECTOR(0)))
+MICROFACET_OPERATION(G1_of_direction, "G1", 3, of_slope_excess, ndf.G1(MICROFACET_VECTOR(0)))
+MICROFACET_OPERATION(G2_of_directions, "G2", 6, of_slope_excess, ndf.G2(MICROFACET_VECTOR(0), MICROFACET_VECTOR(3)))
+MICROFACET_OPERATION(G2_uncorrelated_of_directions, "G2_uncorrelated", 6, of_slope_excess,
                      ndf.G2_uncorrelated(MICROFACET_VECTOR(0), MICROFACET_VECTOR(3)))
-MICROFACET_OPERATION(D_visible_of_directions, "D_visible", 6,
+MICROFACET_OPERATION(D_visible_of_directions, "D_visible", 6, of_P22 | of_slope_excess,
                      ndf.D_visible(MICROFACET_VECTOR(0), MICROFACET_VECTOR(3)))
 
 #undef MICROFACET_VECTOR
@@ -49,6 +50,7 @@ MICROFACET_OPERATION(D_visible_of_directions, "D_visible", 6,
 
 struct normal_sample {
   static constexpr const char* name = "sample";
+  static constexpr unsigned needs = of_radius;
   static constexpr layout<2, 3> shape{};
   template <class Distribution, class T>
   MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) {

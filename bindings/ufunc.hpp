@@ -2,7 +2,8 @@
 //
 // A model turns lanes of parameters into distributions; an operation turns distributions and lanes of values
 // into lanes of results. Their product is a ufunc with float32 and float64 loops. What a float32 loop computes
-// in is the family's choice: float32 where its forms keep the accuracy contract in it, else float64.
+// in is the family's choice: float32 where its forms keep the accuracy contract in it, else float64. A family
+// that is costly to evaluate is prepared (family/prepared.hpp) where its parameters are constant and that pays.
 #pragma once
 
 #define PY_SSIZE_T_CLEAN
@@ -21,57 +22,47 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <utility>
 
 #include "lanes.hpp"
 #include "microfacet/core/vec.hpp"
+#include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/sample_normal.hpp"
+#include "prepared_cache.hpp"
 
 namespace microfacet::bindings {
 
-// Families by the lanes they compute on.
-template <class Tag, class Lanes, std::size_t... I>
-typename Tag::template type<Lanes> make_family(const twofold<Lanes>* shape, std::index_sequence<I...>) {
-  return typename Tag::template type<Lanes>(shape[I].high...);
-}
-
-// Parameters alpha, then the family's own.
+// A model says what the parameters of a ufunc are: `scales` roughnesses (alpha, or alpha_x and alpha_y), perhaps
+// a rotation, then the family's own. The density's parameters start at `first`: behind the shape, or with alpha
+// for a family that is no stretch of one density.
 template <class Tag>
 struct isotropic_model {
+  using tag = Tag;
   using family = typename Tag::template type<double>;
-  static constexpr std::size_t shape_parameters = family::parameters.size();
-  static constexpr std::size_t count = 1 + shape_parameters, scales = 1;
-  template <class Lanes>
-  using distribution = ndf<typename Tag::template type<Lanes>, Lanes, isotropic_shape<Lanes>>;
+  static constexpr std::size_t first = family::shape_invariant ? 1 : 0, scales = 1;
+  static constexpr std::size_t count = 1 + family::parameters.size();
 
   template <class Lanes>
-  static distribution<Lanes> make(const twofold<Lanes>* p) {
-    if constexpr (family::shape_invariant) {
-      return {make_family<Tag>(p + 1, std::make_index_sequence<shape_parameters>()),
-              isotropic_shape<Lanes>(p[0])};
-    } else {
-      return {make_family<Tag>(p, std::make_index_sequence<count>()), isotropic_shape<Lanes>(Lanes(1))};
-    }
+  static isotropic_shape<Lanes> shape(const twofold<Lanes>* p) {
+    return isotropic_shape<Lanes>(family::shape_invariant ? p[0] : twofold<Lanes>(Lanes(1)));
   }
 };
 
-// Parameters alpha_x, alpha_y, rotation, then the family's own.
 template <class Tag>
 struct stretched_model {
+  using tag = Tag;
   using family = typename Tag::template type<double>;
-  static constexpr std::size_t shape_parameters = family::parameters.size();
-  static constexpr std::size_t count = 3 + shape_parameters, scales = 2;
-  template <class Lanes>
-  using distribution = ndf<typename Tag::template type<Lanes>, Lanes, anisotropic_shape<Lanes>>;
+  static constexpr std::size_t first = 3, scales = 2;
+  static constexpr std::size_t count = 3 + family::parameters.size();
 
   template <class Lanes>
-  static distribution<Lanes> make(const twofold<Lanes>* p) {
-    return {make_family<Tag>(p + 3, std::make_index_sequence<shape_parameters>()),
-            anisotropic_shape<Lanes>(p[0], p[1], each_lane(p[2], [](double x) { return std::cos(x); }),
-                                     each_lane(p[2], [](double x) { return std::sin(x); }))};
+  static anisotropic_shape<Lanes> shape(const twofold<Lanes>* p) {
+    return anisotropic_shape<Lanes>(p[0], p[1], each_lane(p[2], [](double x) { return std::cos(x); }),
+                                    each_lane(p[2], [](double x) { return std::sin(x); }));
   }
 
  private:
@@ -81,12 +72,50 @@ struct stretched_model {
     std::array<real, sizeof(Lanes) / sizeof(real)> high, low;
     std::memcpy(high.data(), &x.high, sizeof x.high);
     std::memcpy(low.data(), &x.low, sizeof x.low);
-    for (std::size_t i = 0; i < high.size(); ++i) high[i] = static_cast<real>(function(double(high[i]) + low[i]));
+    for (std::size_t i = 0; i < high.size(); ++i)
+      high[i] = static_cast<real>(function(static_cast<double>(high[i]) + static_cast<double>(low[i])));
     Lanes result;
     std::memcpy(&result, high.data(), sizeof result);
     return result;
   }
 };
+
+template <class Model, class Lanes>
+auto make_family(const twofold<Lanes>* p) {
+  return [p]<std::size_t... I>(std::index_sequence<I...>) {
+    return typename Model::tag::template type<Lanes>(p[Model::first + I].high...);
+  }(std::make_index_sequence<Model::count - Model::first>());
+}
+template <class Family, class Shape, class Lanes>
+ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& shape, const twofold<Lanes>*) {
+  return {family, shape};
+}
+
+// The tables of a density, for as long as someone uses them; none where the parameters lie outside the domain
+// or the tables miss the accuracy contract.
+template <class Model, class Real>
+std::shared_ptr<const radial_tables<Real>> prepared_tables(const double* parameters, unsigned functions) {
+  using family = typename Model::family;
+  constexpr std::size_t count = Model::count - Model::first, own = family::parameters.size();
+  static prepared_cache<Real, count> cache;
+  std::array<double, count> key;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool scale = i + own < count;
+    const parameter domain = scale ? parameter{"alpha", 0, inf, 0} : family::parameters[i + own - count];
+    key[i] = parameters[Model::first + i];
+    const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
+    if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;
+  }
+  return cache.get(key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
+    const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
+      tables.build(typename Model::tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
+    };
+    build(std::make_index_sequence<count>());
+  });
+}
+
+// From this length on a ufunc prepares a density whose parameters are constant.
+inline constexpr npy_intp long_array = 8192;
 
 template <std::size_t Inputs, std::size_t Outputs = 1>
 struct layout {
@@ -99,53 +128,59 @@ struct ufunc_loops {
   static constexpr std::size_t values = Operation::shape.inputs, outputs = Operation::shape.outputs;
   static constexpr std::size_t inputs = values + Model::count;
 
+  template <class T>
+  using stored_parameter = std::conditional_t<WideParameters, double, T>;
   template <class Compute>
-  using distribution = decltype(Model::make(static_cast<const twofold<lanes<Compute>>*>(nullptr)));
+  using parameter_lanes = std::array<twofold<lanes<Compute>>, Model::count>;
 
-  // The distribution of parameters that are the same for all elements, with all digits of what is stored.
+  template <class Compute, class Parameter>
+  MICROFACET_INLINE static parameter_lanes<Compute> parameters(const Parameter& parameter) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return parameter_lanes<Compute>{parameter(I)...};
+    }(std::make_index_sequence<Model::count>());
+  }
+  // Parameters that are the same for all elements, with all digits of what is stored.
   template <class Compute, class Stored>
-  static distribution<Compute> constant_distribution(char* const* args) {
-    return make_distribution<Compute>([&](std::size_t a) {
+  static parameter_lanes<Compute> constant_parameters(char* const* args) {
+    return parameters<Compute>([&](std::size_t a) {
       const Stored value = *reinterpret_cast<const Stored*>(args[values + a]);
       const Compute high = static_cast<Compute>(value);
       return twofold<lanes<Compute>>(lanes<Compute>(high), lanes<Compute>(static_cast<Compute>(value - high)));
     });
   }
-  template <class Compute, class Parameter>
-  MICROFACET_INLINE static distribution<Compute> make_distribution(const Parameter& parameter) {
-    return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      const std::array<twofold<lanes<Compute>>, Model::count> p{parameter(I)...};
-      return Model::make(p.data());
-    }(std::make_index_sequence<Model::count>());
+  template <class Lanes>
+  MICROFACET_INLINE static auto own_distribution(const twofold<Lanes>* p) {
+    return make_distribution(make_family<Model>(p), Model::shape(p), p);
   }
 
   // One step of lanes of type Compute, from element i on.
-  template <class Compute>
-  MICROFACET_INLINE static void evaluate(const distribution<Compute>& d, const Compute* const* in,
-                                         Compute* const* out, npy_intp i) {
+  template <class Compute, class Distribution>
+  MICROFACET_INLINE static void evaluate(const Distribution& d, const Compute* const* in, Compute* const* out,
+                                         npy_intp i) {
     std::array<lanes<Compute>, values> x;
     std::array<lanes<Compute>, outputs> y;
     for (std::size_t a = 0; a < values; ++a) x[a] = load(in[a] + i);
     Operation::apply(d, x.data(), y.data());
     for (std::size_t a = 0; a < outputs; ++a) store(y[a], out[a] + i);
   }
-  template <class Compute>
-  static void evaluate_constant(const distribution<Compute>& d, const Compute* const* in, Compute* const* out,
+  template <class Compute, class Distribution>
+  static void evaluate_constant(const Distribution& d, const Compute* const* in, Compute* const* out,
                                 npy_intp n) {
     for (npy_intp i = 0; i < n; i += width<Compute>) evaluate<Compute>(d, in, out, i);
   }
   template <class Compute>
   static void evaluate_varying(const Compute* const* in, Compute* const* out, npy_intp n) {
     for (npy_intp i = 0; i < n; i += width<Compute>) {
-      const auto parameter = [&](std::size_t a) { return twofold<lanes<Compute>>(load(in[values + a] + i)); };
-      evaluate<Compute>(make_distribution<Compute>(parameter), in, out, i);
+      const auto p = parameters<Compute>(
+          [&](std::size_t a) { return twofold<lanes<Compute>>(load(in[values + a] + i)); });
+      evaluate<Compute>(own_distribution(p.data()), in, out, i);
     }
   }
 
   // Block by block, through buffers where arrays are not as the lanes want them.
   template <class Compute, class T, class Evaluate>
   static void in_blocks(char* const* args, const npy_intp* steps, npy_intp n, bool constant, const Evaluate& evaluate_block) {
-    using stored = std::conditional_t<WideParameters, double, T>;
+    using stored = stored_parameter<T>;
     std::array<buffer<Compute>, inputs + outputs> buffers;
     std::array<const Compute*, inputs> in{};
     std::array<Compute*, outputs> out{};
@@ -172,8 +207,6 @@ struct ufunc_loops {
     }
   }
 
-  using stored_of_float = std::conditional_t<WideParameters, double, float>;
-
   static std::array<char*, inputs + outputs> shifted(char* const* args, const npy_intp* steps, npy_intp i) {
     std::array<char*, inputs + outputs> at;
     for (std::size_t a = 0; a < at.size(); ++a) at[a] = args[a] + i * steps[a];
@@ -183,7 +216,8 @@ struct ufunc_loops {
   template <class Compute, class T>
   static void run(char* const* args, const npy_intp* steps, npy_intp n, bool constant) {
     if (constant) {
-      const auto d = constant_distribution<Compute, std::conditional_t<WideParameters, double, T>>(args);
+      const auto p = constant_parameters<Compute, stored_parameter<T>>(args);
+      const auto d = own_distribution(p.data());
       in_blocks<Compute, T>(args, steps, n, true, [&](auto in, auto out, npy_intp count) {
         evaluate_constant<Compute>(d, in, out, count);
       });
@@ -194,12 +228,29 @@ struct ufunc_loops {
     }
   }
 
+  template <class Compute, class T>
+  static bool run_prepared(char* const* args, const npy_intp* steps, npy_intp n) {
+    std::array<double, Model::count> numbers;
+    for (std::size_t a = 0; a < Model::count; ++a)
+      numbers[a] = static_cast<double>(*reinterpret_cast<const stored_parameter<T>*>(args[values + a]));
+    const auto tables = prepared_tables<Model, Compute>(numbers.data(), Operation::needs);
+    if (tables == nullptr) return false;
+    const auto p = constant_parameters<Compute, stored_parameter<T>>(args);
+    const auto d = make_distribution(prepared<typename Model::family, lanes<Compute>>(*tables),
+                                     Model::shape(p.data()), p.data());
+    in_blocks<Compute, T>(args, steps, n, true, [&](auto in, auto out, npy_intp count) {
+      evaluate_constant<Compute>(d, in, out, count);
+    });
+    return true;
+  }
+
   // Whether the scales of element i leave float32 room for their squares and the reciprocals of these.
   static bool fits_float32(char* const* args, const npy_intp* steps, npy_intp i) {
-    return std::all_of(args + values, args + values + Model::scales, [&, a = values](char* p) mutable {
-      const double scale = *reinterpret_cast<const stored_of_float*>(p + i * steps[a++]);
-      return !(scale < 1e-6 || scale > 1e6);
-    });
+    for (std::size_t a = values; a < values + Model::scales; ++a) {
+      const double scale = *reinterpret_cast<const stored_parameter<float>*>(args[a] + i * steps[a]);
+      if (scale < 1e-6 || scale > 1e6) return false;
+    }
+    return true;
   }
 
   // Runs of elements of one kind, each in its own arithmetic.
@@ -222,6 +273,12 @@ struct ufunc_loops {
     if (n == 0) return;
     const quiet_floating_point guard;
     const bool constant = std::all_of(steps + values, steps + inputs, [](npy_intp s) { return s == 0; });
+    if constexpr (Model::family::costly) {
+      if (constant && (WideParameters || n >= long_array)) {
+        const bool fits = std::is_same_v<T, double> || fits_float32(args, steps, 0);
+        if (fits ? run_prepared<T, T>(args, steps, n) : run_prepared<double, T>(args, steps, n)) return;
+      }
+    }
     if constexpr (std::is_same_v<T, float> && Model::family::native_float32) {
       run_in_float32(args, steps, n, constant);
     } else {

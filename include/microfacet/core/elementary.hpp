@@ -35,6 +35,26 @@ T from_bits(integer_of<T> i, T) {
   return std::bit_cast<T>(i);
 }
 
+// Bits of numbers without a meaning here (negative ones in log, say) may leave the range of a signed integer.
+template <class I>
+MICROFACET_INLINE I wrapping_sum(const I& a, const I& b) {
+  if constexpr (std::is_integral_v<I>) {
+    using bits = std::make_unsigned_t<I>;
+    return static_cast<I>(static_cast<bits>(a) + static_cast<bits>(b));
+  } else {
+    return a + b;
+  }
+}
+template <class I>
+MICROFACET_INLINE I wrapping_difference(const I& a, const I& b) {
+  if constexpr (std::is_integral_v<I>) {
+    using bits = std::make_unsigned_t<I>;
+    return static_cast<I>(static_cast<bits>(a) - static_cast<bits>(b));
+  } else {
+    return a - b;
+  }
+}
+
 #if MICROFACET_VECTOR_EXTENSIONS
 template <class T, std::size_t B, int K>
 inline constexpr bool has_lanes<pack<T, B, K>> = std::is_floating_point_v<T>;
@@ -51,7 +71,7 @@ template <>
 struct format_of_lane<float> {
   static constexpr int mantissa = 23;
   static constexpr std::int32_t half = 0x3f000000, sqrt_half = 0x3f3504f3;
-  static constexpr std::int32_t magnitude = 0x7fffffff, upper_half = ~0xfff;
+  static constexpr std::int32_t magnitude = 0x7fffffff, half_of_lower = 0x800;  // of 12 bits
   static constexpr float round = 0x1.8p23f;  // adding it rounds to an integer, which the low bits then hold
   static constexpr float ln2_high = 0x1.63p-1f, ln2_low = -0x1.bd0106p-13f;  // n ln2_high is exact
   static constexpr float least = -86.6f, most = 88.722839f;                  // arguments of exp
@@ -64,7 +84,7 @@ template <>
 struct format_of_lane<double> {
   static constexpr int mantissa = 52;
   static constexpr std::int64_t half = 0x3fe0000000000000, sqrt_half = 0x3fe6a09e667f3bcd;
-  static constexpr std::int64_t magnitude = 0x7fffffffffffffff, upper_half = ~0x7ffffff;
+  static constexpr std::int64_t magnitude = 0x7fffffffffffffff, half_of_lower = 0x4000000;  // of 27 bits
   static constexpr double round = 0x1.8p52;
   static constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
   static constexpr double least = -707.7, most = 709.78271289338397;
@@ -100,31 +120,37 @@ MICROFACET_INLINE R product_error(const R& a, const R& b, const R& p) {
 #if MICROFACET_FUSED
   return multiply_add(a, b, R(-p));
 #else
-  const integers<R> upper(format<R>::upper_half);
-  const R a1 = from_bits(integers<R>(bits(a) & upper), a), b1 = from_bits(integers<R>(bits(b) & upper), b);
-  const R a2 = a - a1, b2 = b - b1;
+  const auto upper = [](const R& x) {
+    const integers<R> rounded = wrapping_sum(bits(x), integers<R>(format<R>::half_of_lower));
+    return from_bits(integers<R>(rounded & integers<R>(~(2 * format<R>::half_of_lower - 1))), x);
+  };
+  const R a1 = upper(a), b1 = upper(b), a2 = a - a1, b2 = b - b1;
   return ((a1 * b1 - p) + (a1 * b2 + a2 * b1)) + a2 * b2;
 #endif
 }
 
-// x + low = n ln 2 + rest: `excess` is exp(rest) - 1 and `power` 2^(n - 1), which is normal where exp(x) is.
+// x + low = n ln 2 + rest: `excess` is exp(rest) - 1 and `power` 2^(n - 1 + Bias), which is normal where
+// 2^Bias exp(x) is.
 template <class R>
 struct reduced {
   R excess, power;
 };
-template <class R>
+template <int Bias = 0, class R>
 MICROFACET_INLINE reduced<R> reduce(const R& x, const R& low) {
   using f = format<R>;
   const R shifted = multiply_add(x, R(std::numbers::log2e), R(f::round)), n = shifted - R(f::round);
   const R rest = multiply_add(n, R(-f::ln2_low), R(multiply_add(n, R(-f::ln2_high), x))) + low;
   const R excess = multiply_add(R(rest * rest), polynomial(f::exp, rest), rest);
-  return {excess, from_bits(integers<R>((bits(shifted) << f::mantissa) + integers<R>(f::half)), x)};
+  constexpr auto bias = f::half + static_cast<decltype(f::half)>(Bias) * (decltype(f::half)(1) << f::mantissa);
+  return {excess, from_bits(wrapping_sum(integers<R>(bits(shifted) << f::mantissa), integers<R>(bias)), x)};
 }
-template <class R>
+// 2^Bias exp(x + low).
+template <int Bias = 0, class R>
 MICROFACET_INLINE R exp(const R& x, const R& low) {
-  const reduced<R> e = reduce(x, low);
+  constexpr auto shift = static_cast<typename scalar_traits<R>::real>(Bias * std::numbers::ln2);
+  const reduced<R> e = reduce<Bias>(x, low);
   const R value = multiply_add(R(2), e.excess, R(2)) * e.power;
-  return select(x < R(format<R>::least), R(0), select(x > R(format<R>::most), R(inf), value));
+  return select(x < R(format<R>::least - shift), R(0), select(x > R(format<R>::most - shift), R(inf), value));
 }
 template <class R>
 MICROFACET_INLINE R exp(const R& x) {
@@ -137,7 +163,27 @@ MICROFACET_INLINE R expm1(const R& x) {
   return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), R(inf), value));
 }
 
-// log(x + low) as the sum of two, for |low| much below x: x = 2^n m, m in [sqrt(1/2), sqrt(2)).
+// x + low = 2^n (1 + e) for a positive x and |low| much below x, sqrt(1/2) <= 1 + e < sqrt(2), and
+// log(1 + e) = e - less: less = e^2/2 - s (e^2/2 + s^2 R(s^2)), s = e/(2 + e), so that the rounding of s enters
+// but once.
+template <class R>
+struct reduced_logarithm {
+  R n, e, less;
+};
+template <class R>
+MICROFACET_INLINE reduced_logarithm<R> reduce_log(const R& x, const R& low) {
+  using f = format<R>;
+  const integers<R> n = wrapping_difference(bits(x), integers<R>(f::sqrt_half)) >> f::mantissa;
+  const integers<R> shift = n << f::mantissa;
+  const R m = from_bits(wrapping_difference(bits(x), shift), x);
+  const R power = from_bits(wrapping_difference(integers<R>(bits(R(2))), shift), x);  // 2^(1 - n): n may be 1024
+  const R real_n = from_bits(wrapping_sum(integers<R>(bits(R(f::round))), n), x) - R(f::round);
+  const R e = multiply_add(R(R(0.5) * low), power, R(m - R(1)));
+  const R s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
+  return {real_n, e, half - s * multiply_add(s2, polynomial(f::log, s2), half)};
+}
+
+// log(x + low) as the sum of two.
 template <class R>
 struct logarithm {
   R high, low;
@@ -145,14 +191,8 @@ struct logarithm {
 template <class R>
 MICROFACET_INLINE logarithm<R> log(const R& x, const R& low) {
   using f = format<R>;
-  const integers<R> n = (bits(x) - integers<R>(f::sqrt_half)) >> f::mantissa, shift = n << f::mantissa;
-  const R m = from_bits(integers<R>(bits(x) - shift), x);
-  const R power = from_bits(integers<R>(integers<R>(bits(R(1))) - shift), x);  // 2^-n
-  const R real_n = from_bits(integers<R>(bits(R(f::round)) + n), x) - R(f::round);
-  // log(1 + e) = e - (e^2/2 - s (e^2/2 + s^2 R(s^2))), s = e/(2 + e): the rounding of s enters but once.
-  const R e = multiply_add(low, power, R(m - R(1))), s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
-  const R less = half - s * multiply_add(s2, polynomial(f::log, s2), half);
-  const R tail = e - multiply_add(real_n, R(-f::ln2_low), less), head = real_n * R(f::ln2_high);
+  const reduced_logarithm<R> l = reduce_log(x, low);
+  const R tail = l.e - multiply_add(l.n, R(-f::ln2_low), l.less), head = l.n * R(f::ln2_high);
   const R sum = head + tail;
   const R value = select(x < R(inf), sum, x);
   const R below = select(x < R(0), nan<R>(), R(-inf));

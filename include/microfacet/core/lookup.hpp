@@ -10,8 +10,9 @@
 
 namespace microfacet {
 
-template <std::floating_point T, std::size_t N>
-MICROFACET_INLINE T lookup(const std::array<T, N>& table, integer_of<T> index) {
+// Of the first N numbers of the table.
+template <std::size_t N, std::floating_point T, std::size_t Size>
+MICROFACET_INLINE T lookup(const std::array<T, Size>& table, integer_of<T> index) {
   return table[static_cast<std::size_t>(index)];
 }
 
@@ -44,8 +45,8 @@ MICROFACET_INLINE Vector lookup(const T* table, const Indices& index) {
 
 }  // namespace registers
 
-template <class T, std::size_t N, class I, std::size_t B, int K>
-MICROFACET_INLINE pack<T, B, K> lookup(const std::array<T, N>& table, const pack<I, B, K>& index) {
+template <std::size_t N, class T, std::size_t Size, class I, std::size_t B, int K>
+MICROFACET_INLINE pack<T, B, K> lookup(const std::array<T, Size>& table, const pack<I, B, K>& index) {
   using result = pack<T, B, K>;
   return result::from(
       [&](int k) { return registers::lookup<N, typename result::vector>(table.data(), index.v[k]); });

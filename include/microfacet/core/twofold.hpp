@@ -115,12 +115,14 @@ MICROFACET_INLINE twofold<T> square(const twofold<T>& a) {
   return a * a;
 }
 
-template <class T>
+// 2^Bias exp(x): the bias keeps what a large factor then lifts from being flushed to zero.
+template <int Bias = 0, class T>
 MICROFACET_INLINE T exp(const twofold<T>& x) {
   if constexpr (elementary::has_lanes<T>) {
-    return elementary::exp(x.high, x.low);
+    return elementary::exp<Bias>(x.high, x.low);
   } else {
-    return exp(x.high) * (T(1) + x.low);
+    const T e = exp(T(x.high + T(Bias * std::numbers::ln2)));
+    return select(abs(x.low) < T(1), T(e + e * x.low), e);
   }
 }
 

@@ -28,15 +28,15 @@ class beckmann {
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
                                                            "deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true;
+  static constexpr bool native_float32 = true, costly = false;
 
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return exp(-r2) * T(1 / pi); }
   T D(const T& z_argument, const twofold<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
-    const T value = exp(-quotient(h2, exact_product(z, z), reciprocal));
-    return value * reciprocal * (reciprocal * T(1 / pi));
+    const T value = exp<60>(-quotient(h2, exact_product(z, z), reciprocal));
+    return value * reciprocal * (reciprocal * T(0x1p-60 / pi));
   }
   T survival(const twofold<T>& r2) const { return exp(-r2); }
   T radius2(const T& xi) const { return -log1p(-xi); }

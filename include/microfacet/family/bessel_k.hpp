@@ -91,7 +91,7 @@ class bessel_k {
   static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, inf, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = false;
+  static constexpr bool native_float32 = false, costly = true;
 
   explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(inf)), a)), radial_(a_) {}
 
@@ -100,7 +100,7 @@ class bessel_k {
   // The density of slopes of length y; near its singularity the square of y underflows first.
   T P22_of_slope(const T& y) const { return exp(radial_.log_P22(y)); }
   T D(const T& z, const twofold<T>& h2) const {
-    return density_from_log(radial_.log_P22(T(sqrt(h2.high) / z)), z);
+    return density_from_log(radial_.log_P22(T(sqrt(h2.sum()) / z)), z);
   }
   T survival(const twofold<T>& r2) const { return radial_.survival(sqrt(r2.high)); }
   T radius(const T& xi) const { return radial_.inverse(xi); }

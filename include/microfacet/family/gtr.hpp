@@ -30,7 +30,7 @@ class gtr {
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 0.0, inf, 0.0}}};
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
-  static constexpr bool native_float32 = false;
+  static constexpr bool native_float32 = false, costly = true;
 
   gtr(const T& alpha_argument, const T& gamma) : gamma_(where((gamma > T(0)) & (gamma < T(inf)), gamma)) {
     const T alpha = where((alpha_argument > T(0)) & (alpha_argument < T(inf)), alpha_argument);
@@ -56,7 +56,7 @@ class gtr {
   // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows
   // alone.
   T D(const T& z, const twofold<T>& h2_argument) const {
-    const T z2 = z * z, h2 = h2_argument.high, length2 = z2 + h2;
+    const T z2 = z * z, h2 = h2_argument.sum(), length2 = z2 + h2;
     const T q = (a2_ * z2 + h2) / smaller_;
     return norm_ * pow(T(length2 / q), gamma_) / square(length2);
   }

@@ -31,14 +31,16 @@ class k0_functions {
   k0_functions(const twofold<T>& y, const T& y2)
       : near_(y.high < T(0.5625)), y_(minimum(maximum(y.sum(), smallest<T>()), T(1e3))), y2_(y2), decay_(y) {}
 
-  T density() const {  // 2 K_0(2y)
+  template <int Bias = 0>
+  T density() const {  // 2^Bias 2 K_0(2y)
     using namespace coefficients;
     const auto inside = [&] {
-      return multiply_add(logarithm(), polynomial(by_precision<T>(k0_near_log_32, k0_near_log_64), y2_),
-                          T(y2_ * polynomial(by_precision<T>(k0_near_32, k0_near_64), y2_)));
+      const T value = multiply_add(logarithm(), polynomial(by_precision<T>(k0_near_log_32, k0_near_log_64), y2_),
+                                   T(y2_ * polynomial(by_precision<T>(k0_near_32, k0_near_64), y2_)));
+      return T(T(std::ldexp(1.0, Bias)) * value);
     };
     const auto outside = [&] {
-      return T(exp(T(-2) * decay_) * polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_) /
+      return T(exp<Bias>(T(-2) * decay_) * polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_) /
                (polynomial(by_precision<T>(k0_far_denominator_32, k0_far_denominator_64), y_) * sqrt(y_)));
     };
     return choose(near_, inside, outside);
@@ -77,7 +79,7 @@ class k0 {
   static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true;
+  static constexpr bool native_float32 = true, costly = false;
 
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }
@@ -85,7 +87,9 @@ class k0 {
   T D(const T& z_argument, const twofold<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
-    return P22(quotient(h2, exact_product(z, z), reciprocal)) * reciprocal * reciprocal;
+    const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
+    const T value = detail::k0_functions<T>(r2).template density<60>() * reciprocal * (reciprocal * T(0x1p-60 / pi));
+    return select(r2.high == T(0), T(inf), value);
   }
   T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
   T radius2(const T& xi) const { return square(radius(xi)); }

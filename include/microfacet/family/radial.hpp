@@ -61,7 +61,7 @@ T symmetric_sf(const slope<T>& t_argument, const Upper& upper) {
   const T q = upper(slope<T>({select(finite, size, most), select(finite, exact.low, T(0))},
                              {select(finite, square.high, T(most * most)), select(finite, square.low, T(0))}));
   const T above = select(size == T(0), T(0.5) + T(0) * q, select(size < most, q, T(0) * q));
-  return select(t < T(0), T(T(1) - above), above);
+  return select(t < T(0), T(T(1) - above), select(size >= T(0), above, size));
 }
 
 }  // namespace microfacet

@@ -34,7 +34,17 @@ T cosine_of_slope(const T& slope) {
 // Pr(slope > r) for r >= 0; nan below.
 template <class Family, class T>
 T survival(const ndf<Family, T, isotropic_shape<T>>& distribution, const T& r) {
-  return distribution.family().survival(distribution.shape().slope2(where(r >= T(0), r), T(0)));
+  const Family& family = distribution.family();
+  const T valid = where(r >= T(0), r);
+  const twofold<T> r2 = distribution.shape().slope2(valid, T(0));
+  if constexpr (requires { family.survival_of_slope(r); }) {  // as in ndf::P22
+    return choose(
+        r2.high < T(16) * smallest<T>(),
+        [&] { return family.survival_of_slope(distribution.shape().length(valid, T(0))); },
+        [&] { return family.survival(r2); });
+  } else {
+    return family.survival(r2);
+  }
 }
 
 template <class Family, class T, class Shape>
