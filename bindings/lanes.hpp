@@ -25,7 +25,8 @@ inline constexpr std::size_t register_bytes = 32;
 inline constexpr std::size_t register_bytes = 16;
 #endif
 
-// The widest thing that the kernels of this build compute on: a pack, or where the compiler has none, a number.
+// The widest thing that the kernels of this build compute on: a pack, or where the compiler has none, a
+// number.
 #if MICROFACET_VECTOR_EXTENSIONS
 template <class T>
 using lanes = pack<T, register_bytes>;
@@ -48,18 +49,19 @@ MICROFACET_INLINE void store(const lanes<T>& values, T* target) {
   std::memcpy(target, &values, sizeof values);
 }
 
-// Elements that a loop handles at a time: what is strided, short or of another type passes through a buffer of
-// this length, and no other temporary exists.
+// Elements that a loop handles at a time: what is strided, short or of another type passes through a buffer
+// of this length, and no other temporary exists.
 inline constexpr std::ptrdiff_t block = 256;
 template <class T>
 using buffer = std::array<T, block>;
 
-// `count` numbers of type From, `stride` bytes apart; the last one fills up the lanes, so that no lane does what
-// none asked for.
+// `count` numbers of type From, `stride` bytes apart; the last one fills up the lanes, so that no lane does
+// what none asked for.
 template <class From, class To>
 void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buffer<To>& target) {
   if (stride == sizeof(From)) {
-    for (std::ptrdiff_t i = 0; i < count; ++i) target[i] = static_cast<To>(reinterpret_cast<const From*>(source)[i]);
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      target[i] = static_cast<To>(reinterpret_cast<const From*>(source)[i]);
   } else {
     for (std::ptrdiff_t i = 0; i < count; ++i)
       target[i] = static_cast<To>(*reinterpret_cast<const From*>(source + i * stride));

@@ -1,6 +1,6 @@
-// One namespace per family, each with its ufuncs and the facts its header states. This file is compiled once for
-// each instruction set, as a module of its own (MICROFACET_MODULE), so that no inline function of one build can
-// stand in for another's; microfacet._core chooses.
+// One namespace per family, each with its ufuncs and the facts its header states. This file is compiled once
+// for each instruction set, as a module of its own (MICROFACET_MODULE), so that no inline function of one
+// build can stand in for another's; microfacet._core chooses.
 #define MICROFACET_IMPORT_NUMPY
 #include <string>
 

@@ -6,15 +6,15 @@
 
 namespace microfacet::bindings {
 
-#define MICROFACET_OPERATION(TYPE, NAME, INPUTS, NEEDS, EXPRESSION)   \
-  struct TYPE {                                                       \
-    static constexpr const char* name = NAME;                         \
-    static constexpr unsigned needs = NEEDS;                          \
-    static constexpr layout<INPUTS> shape{};                          \
-    template <class Distribution, class T>                            \
+#define MICROFACET_OPERATION(TYPE, NAME, INPUTS, NEEDS, EXPRESSION)                    \
+  struct TYPE {                                                                        \
+    static constexpr const char* name = NAME;                                          \
+    static constexpr unsigned needs = NEEDS;                                           \
+    static constexpr layout<INPUTS> shape{};                                           \
+    template <class Distribution, class T>                                             \
     MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) { \
-      out[0] = EXPRESSION;                                            \
-    }                                                                 \
+      out[0] = EXPRESSION;                                                             \
+    }                                                                                  \
   };
 #define MICROFACET_VECTOR(I) (vec3<T>{x[I], x[I + 1], x[I + 2]})
 
@@ -24,7 +24,8 @@ MICROFACET_OPERATION(sigma_of_cosine, "sigma", 1, of_slope_excess, ndf.sigma(cos
 MICROFACET_OPERATION(Lambda_of_cosine, "Lambda", 1, of_slope_excess, ndf.Lambda(cosine<T>(x[0])))
 MICROFACET_OPERATION(G1_of_cosine, "G1", 1, of_slope_excess, ndf.G1(cosine<T>(x[0])))
 MICROFACET_OPERATION(survival_of_slope, "survival", 1, of_survival, survival(ndf, x[0]))
-MICROFACET_OPERATION(slope_sample, "sample_slope", 1, of_radius, sample_slope(ndf.family(), ndf.shape(), x[0]))
+MICROFACET_OPERATION(slope_sample, "sample_slope", 1, of_radius,
+                     sample_slope(ndf.family(), ndf.shape(), x[0]))
 MICROFACET_OPERATION(cosine_sample, "sample_u", 1, of_radius,
                      cosine_of_slope(sample_slope(ndf.family(), ndf.shape(), x[0])))
 
@@ -39,7 +40,8 @@ MICROFACET_OPERATION(pdf_of_normal, "pdf", 3, of_P22, ndf.pdf(MICROFACET_VECTOR(
 MICROFACET_OPERATION(sigma_of_direction, "sigma", 3, of_slope_excess, ndf.sigma(MICROFACET_VECTOR(0)))
 MICROFACET_OPERATION(Lambda_of_direction, "Lambda", 3, of_slope_excess, ndf.Lambda(MICROFACET_VECTOR(0)))
 MICROFACET_OPERATION(G1_of_direction, "G1", 3, of_slope_excess, ndf.G1(MICROFACET_VECTOR(0)))
-MICROFACET_OPERATION(G2_of_directions, "G2", 6, of_slope_excess, ndf.G2(MICROFACET_VECTOR(0), MICROFACET_VECTOR(3)))
+MICROFACET_OPERATION(G2_of_directions, "G2", 6, of_slope_excess,
+                     ndf.G2(MICROFACET_VECTOR(0), MICROFACET_VECTOR(3)))
 MICROFACET_OPERATION(G2_uncorrelated_of_directions, "G2_uncorrelated", 6, of_slope_excess,
                      ndf.G2_uncorrelated(MICROFACET_VECTOR(0), MICROFACET_VECTOR(3)))
 MICROFACET_OPERATION(D_visible_of_directions, "D_visible", 6, of_P22 | of_slope_excess,
@@ -68,11 +70,10 @@ bool add_direction_operations(PyObject* space, const char* prefix) {
 
 template <class Tag>
 bool add_operations(PyObject* space) {
-  const bool isotropic =
-      add_all<isotropic_model<Tag>, false, D_of_cosine, P22_of_slopes, P2_of_slope, cdf_of_slope,
-              sigma_of_cosine, Lambda_of_cosine, G1_of_cosine, survival_of_slope, slope_sample,
-              cosine_sample>(space, "") &&
-      add_direction_operations<isotropic_model<Tag>>(space, "isotropic_");
+  const bool isotropic = add_all<isotropic_model<Tag>, false, D_of_cosine, P22_of_slopes, P2_of_slope,
+                                 cdf_of_slope, sigma_of_cosine, Lambda_of_cosine, G1_of_cosine,
+                                 survival_of_slope, slope_sample, cosine_sample>(space, "") &&
+                         add_direction_operations<isotropic_model<Tag>>(space, "isotropic_");
   if constexpr (isotropic_model<Tag>::family::shape_invariant) {
     return isotropic && add_direction_operations<stretched_model<Tag>>(space, "stretched_");
   }

@@ -1,5 +1,5 @@
-// Prepared tables of the densities that were used last, shared by all threads: what a ufunc with constant shape
-// parameters and a frozen distribution draw on.
+// Prepared tables of the densities that were used last, shared by all threads: what a ufunc with constant
+// shape parameters and a frozen distribution draw on.
 #pragma once
 
 #include <array>

@@ -1,9 +1,10 @@
 // One family -> all its NumPy loops.
 //
 // A model turns lanes of parameters into distributions; an operation turns distributions and lanes of values
-// into lanes of results. Their product is a ufunc with float32 and float64 loops. What a float32 loop computes
-// in is the family's choice: float32 where its forms keep the accuracy contract in it, else float64. A family
-// that is costly to evaluate is prepared (family/prepared.hpp) where its parameters are constant and that pays.
+// into lanes of results. Their product is a ufunc with float32 and float64 loops. What a float32 loop
+// computes in is the family's choice: float32 where its forms keep the accuracy contract in it, else float64.
+// A family that is costly to evaluate is prepared (family/prepared.hpp) where its parameters are constant and
+// that pays.
 #pragma once
 
 #define PY_SSIZE_T_CLEAN
@@ -32,87 +33,9 @@
 #include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/sample_normal.hpp"
-#include "prepared_cache.hpp"
+#include "models.hpp"
 
 namespace microfacet::bindings {
-
-// A model says what the parameters of a ufunc are: `scales` roughnesses (alpha, or alpha_x and alpha_y), perhaps
-// a rotation, then the family's own. The density's parameters start at `first`: behind the shape, or with alpha
-// for a family that is no stretch of one density.
-template <class Tag>
-struct isotropic_model {
-  using tag = Tag;
-  using family = typename Tag::template type<double>;
-  static constexpr std::size_t first = family::shape_invariant ? 1 : 0, scales = 1;
-  static constexpr std::size_t count = 1 + family::parameters.size();
-
-  template <class Lanes>
-  static isotropic_shape<Lanes> shape(const twofold<Lanes>* p) {
-    return isotropic_shape<Lanes>(family::shape_invariant ? p[0] : twofold<Lanes>(Lanes(1)));
-  }
-};
-
-template <class Tag>
-struct stretched_model {
-  using tag = Tag;
-  using family = typename Tag::template type<double>;
-  static constexpr std::size_t first = 3, scales = 2;
-  static constexpr std::size_t count = 3 + family::parameters.size();
-
-  template <class Lanes>
-  static anisotropic_shape<Lanes> shape(const twofold<Lanes>* p) {
-    return anisotropic_shape<Lanes>(p[0], p[1], each_lane(p[2], [](double x) { return std::cos(x); }),
-                                    each_lane(p[2], [](double x) { return std::sin(x); }));
-  }
-
- private:
-  template <class Lanes, class Function>
-  static Lanes each_lane(const twofold<Lanes>& x, const Function& function) {
-    using real = typename scalar_traits<Lanes>::real;
-    std::array<real, sizeof(Lanes) / sizeof(real)> high, low;
-    std::memcpy(high.data(), &x.high, sizeof x.high);
-    std::memcpy(low.data(), &x.low, sizeof x.low);
-    for (std::size_t i = 0; i < high.size(); ++i)
-      high[i] = static_cast<real>(function(static_cast<double>(high[i]) + static_cast<double>(low[i])));
-    Lanes result;
-    std::memcpy(&result, high.data(), sizeof result);
-    return result;
-  }
-};
-
-template <class Model, class Lanes>
-auto make_family(const twofold<Lanes>* p) {
-  return [p]<std::size_t... I>(std::index_sequence<I...>) {
-    return typename Model::tag::template type<Lanes>(p[Model::first + I].high...);
-  }(std::make_index_sequence<Model::count - Model::first>());
-}
-template <class Family, class Shape, class Lanes>
-ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& shape, const twofold<Lanes>*) {
-  return {family, shape};
-}
-
-// The tables of a density, for as long as someone uses them; none where the parameters lie outside the domain
-// or the tables miss the accuracy contract.
-template <class Model, class Real>
-std::shared_ptr<const radial_tables<Real>> prepared_tables(const double* parameters, unsigned functions) {
-  using family = typename Model::family;
-  constexpr std::size_t count = Model::count - Model::first, own = family::parameters.size();
-  static prepared_cache<Real, count> cache;
-  std::array<double, count> key;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool scale = i + own < count;
-    const parameter domain = scale ? parameter{"alpha", 0, inf, 0} : family::parameters[i + own - count];
-    key[i] = parameters[Model::first + i];
-    const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
-    if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;
-  }
-  return cache.get(key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
-    const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
-      tables.build(typename Model::tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
-    };
-    build(std::make_index_sequence<count>());
-  });
-}
 
 // From this length on a ufunc prepares a density whose parameters are constant.
 inline constexpr npy_intp long_array = 8192;
@@ -145,7 +68,8 @@ struct ufunc_loops {
     return parameters<Compute>([&](std::size_t a) {
       const Stored value = *reinterpret_cast<const Stored*>(args[values + a]);
       const Compute high = static_cast<Compute>(value);
-      return twofold<lanes<Compute>>(lanes<Compute>(high), lanes<Compute>(static_cast<Compute>(value - high)));
+      return twofold<lanes<Compute>>(lanes<Compute>(high),
+                                     lanes<Compute>(static_cast<Compute>(value - high)));
     });
   }
   template <class Lanes>
@@ -164,8 +88,9 @@ struct ufunc_loops {
     for (std::size_t a = 0; a < outputs; ++a) store(y[a], out[a] + i);
   }
   template <class Compute, class Distribution>
-  static void evaluate_constant(const Distribution& d, const Compute* const* in, Compute* const* out,
-                                npy_intp n) {
+  static void evaluate_constant(const Distribution& distribution, const Compute* const* in,
+                                Compute* const* out, npy_intp n) {
+    const Distribution d = distribution;  // a copy, which no store to an array can change
     for (npy_intp i = 0; i < n; i += width<Compute>) evaluate<Compute>(d, in, out, i);
   }
   template <class Compute>
@@ -179,7 +104,8 @@ struct ufunc_loops {
 
   // Block by block, through buffers where arrays are not as the lanes want them.
   template <class Compute, class T, class Evaluate>
-  static void in_blocks(char* const* args, const npy_intp* steps, npy_intp n, bool constant, const Evaluate& evaluate_block) {
+  static void in_blocks(char* const* args, const npy_intp* steps, npy_intp n, bool constant,
+                        const Evaluate& evaluate_block) {
     using stored = stored_parameter<T>;
     std::array<buffer<Compute>, inputs + outputs> buffers;
     std::array<const Compute*, inputs> in{};
@@ -203,7 +129,8 @@ struct ufunc_loops {
         out[a] = direct(inputs + a) ? reinterpret_cast<Compute*>(at(inputs + a)) : buffers[inputs + a].data();
       evaluate_block(in.data(), out.data(), count);
       for (std::size_t a = 0; a < outputs; ++a)
-        if (!direct(inputs + a)) scatter<Compute, T>(buffers[inputs + a], at(inputs + a), steps[inputs + a], count);
+        if (!direct(inputs + a))
+          scatter<Compute, T>(buffers[inputs + a], at(inputs + a), steps[inputs + a], count);
     }
   }
 
@@ -221,7 +148,8 @@ struct ufunc_loops {
       in_blocks<Compute, T>(args, steps, n, true, [&](auto in, auto out, npy_intp count) {
         evaluate_constant<Compute>(d, in, out, count);
       });
-    } else if constexpr (WideParameters) {  // frozen distributions have constant parameters: no kernel of its own
+    } else if constexpr (WideParameters) {  // frozen distributions have constant parameters: no kernel of its
+                                            // own
       for (npy_intp i = 0; i < n; ++i) run<Compute, T>(shifted(args, steps, i).data(), steps, 1, true);
     } else {
       in_blocks<Compute, T>(args, steps, n, false, evaluate_varying<Compute>);

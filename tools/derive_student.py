@@ -18,24 +18,21 @@ with what an error contributes to the result: exp(-10 q) and less, so that q end
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 
 import mpmath
-from flint import arb, arb_mat, ctx
+from flint import arb, ctx
 from mpmath import mpf
-from remez import FORMATS, Problem, array, bivariate, header, minimax, powers, rounded
+from remez import FORMATS, Problem, array, header, minimax, powers, rounded
+from surfaces import Shape, Surface, bivariate, fitted
 
 ctx.prec = 400
 mpmath.mp.dps = 60
 SHIFT = 10
 HALF = arb(1) / 2
 END = {32: arb(2), 64: arb(15) / 4}  # of q
-# For each power of kappa, the number of powers of q.
-EXCESS = {32: (4, 3, 1), 64: (11, 10, 8, 7, 6, 5, 4, 2)}
-TAIL = {32: (4, 3, 1), 64: (11, 9, 8, 7, 5, 4, 3, 2)}
-SIZE = {32: 2, 64: 7}  # degree of r
-
-Surface = Callable[[arb, arb], tuple[arb, arb]]
+EXCESS: dict[int, Shape] = {32: (4, 3, 1), 64: (11, 10, 8, 7, 6, 5, 4, 2)}
+TAIL: dict[int, Shape] = {32: (4, 3, 1), 64: (11, 9, 8, 7, 5, 4, 3, 2)}
+DEGREE = {32: 3, 64: 8}  # of r in kappa
 
 
 def half_step(k: arb) -> arb:
@@ -90,33 +87,13 @@ def tail(q: arb, kappa: arb) -> tuple[arb, arb]:
     return rest / root, weight(k - SHIFT, z, HALF, value) * root / scale
 
 
-def zeros(count: int, upper: arb) -> list[arb]:
-    """Of Chebyshev's polynomial on [0, upper]."""
-    return [(upper * (1 - (arb.pi() * (2 * i + 1) / (2 * count)).cos()) / 2).mid() for i in range(count)]
-
-
-def fitted(surface: Surface, end: arb, shape: tuple[int, ...]) -> tuple[list[mpf], float]:
-    """Coefficients by weighted least squares, and the largest weighted error."""
-    matrix, right = [], []
-    for kappa in zeros(18, arb(1) / SHIFT):
-        for q in zeros(32, end):
-            value, w = (x.mid() for x in surface(q, kappa))
-            terms = [kappa**j * (q - end / 2) ** i for j, count in enumerate(shape) for i in range(count)]
-            matrix.append([(w * term).mid() for term in terms])
-            right.append([(w * value).mid()])
-    a, b = arb_mat(matrix), arb_mat(right)
-    solution = (a.transpose() * a).solve(a.transpose() * b)
-    error = max(float(abs(e)) for e in (a * solution - b).entries())
-    return [mpf(c.mid().str(50, radius=False)) for c in solution.entries()], error
-
-
-def surfaces(name: str, form: str, surface: Surface, shapes: dict[int, tuple[int, ...]]) -> list[str]:
+def surfaces(name: str, form: str, surface: Surface, shapes: dict[int, Shape]) -> list[str]:
     parts = []
     for bits, kind in FORMATS:
-        end = END[bits]
-        coefficients, error = fitted(surface, end, shapes[bits])
+        end, shape = END[bits], shapes[bits]
+        coefficients, error = fitted(surface, (arb(0), end), (arb(0), arb(1) / SHIFT), shape)
         comment = f"{form} in q - {float(end / 2)} and kappa, q <= {float(end)}: error {error:.1e}"
-        parts.append(bivariate(f"student_{name}_{bits}", comment, shapes[bits], coefficients, kind))
+        parts.append(bivariate(f"student_{name}_{bits}", comment, shape, coefficients, kind))
     return parts
 
 
@@ -130,7 +107,7 @@ def half_step_series() -> list[str]:
     parts = []
     for bits, kind in FORMATS:
         end = mpf(1) / SHIFT
-        problem = Problem(lambda x: r(x) - 1, lambda x: 1 / r(x), mpf(0), end, powers(1, SIZE[bits]))
+        problem = Problem(lambda x: r(x) - 1, lambda x: 1 / r(x), mpf(0), end, powers(1, DEGREE[bits]))
         fit = rounded(problem, minimax(problem), kind)
         comment = f"Gamma(k + 1/2)/(Gamma(k) sqrt(k)) in 1/k <= 1/{SHIFT}: error {mpmath.nstr(fit.error, 2)}"
         parts.append(array(f"gamma_half_step_{bits}", comment, [mpf(1), *fit.numerator], kind))
@@ -143,7 +120,9 @@ def text() -> str:
         *surfaces("excess", "E", excess, EXCESS),
         *surfaces("tail", "S", tail, TAIL),
     ]
-    return header("derive_student.py", parts)
+    return header("derive_student.py", parts).replace(
+        "#include <array>\n", '#include <array>\n\n#include "microfacet/special/bivariate.hpp"\n', 1
+    )
 
 
 if __name__ == "__main__":

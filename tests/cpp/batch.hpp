@@ -1,7 +1,6 @@
 // A SIMD batch of the strictest kind, to prove the headers generic: 4 doubles or 8 floats in a vector of the
 // compiler. It converts from a number only explicitly, compares to a mask that is no bool, and finds its
-// mathematics by ADL in this namespace alone. Functions work lane by lane with <cmath>, so that a batch must
-// equal the scalar bit for bit.
+// mathematics by ADL in this namespace alone, lane by lane from <cmath>.
 #pragma once
 
 #include <cmath>
@@ -75,6 +74,14 @@ bool any(const mask<T>& m) {
   for (int i = 0; i < batch<T>::size; ++i)
     if (m.v[i]) return true;
   return false;
+}
+
+// a * b - p for the rounded product p.
+template <class T>
+batch<T> product_error(const batch<T>& a, const batch<T>& b, const batch<T>& p) {
+  batch<T> r;
+  for (int i = 0; i < batch<T>::size; ++i) r.v[i] = std::fma(T(a.v[i]), T(b.v[i]), -T(p.v[i]));
+  return r;
 }
 
 #define LANES_UNARY(name)                                                   \

@@ -102,7 +102,7 @@ TEST(sampled_normals_return_their_uniforms) {
       for (const double azimuth : {0.0, 0.1, 0.45, 0.8}) {
         const direction m = mf::sample_normal(distribution, xi, azimuth);
         CHECK_NEAR(mf::dot(m, m), 1, 1e-14);
-        const double slope2 = distribution.shape().slope2(m.x / m.z, m.y / m.z);
+        const double slope2 = distribution.shape().slope2(m.x / m.z, m.y / m.z).high;
         CHECK_NEAR(distribution.family().survival(slope2), 1 - xi, 1e-10);
       }
     CHECK(std::isnan(mf::sample_normal(distribution, -0.1, 0.3).z));
@@ -153,7 +153,7 @@ TEST(shapes) {
 TEST(derivative_by_the_roughness) {
   using distribution = mf::ndf<mf::ggx<dual>, dual, mf::isotropic_shape<dual>>;
   const distribution d(mf::ggx<dual>(), mf::isotropic_shape<dual>(dual::variable(0.3)));
-  CHECK_NEAR(d.sigma({dual(1), dual(0), dual(0)}).d, 0.5, 1e-14);
+  CHECK_NEAR(d.sigma(mf::vec3<dual>{dual(1), dual(0), dual(0)}).d, 0.5, 1e-14);
   // P2(p) = 1/(2 alpha (1 + p^2/alpha^2)^(3/2)) at p = 0: -1/(2 alpha^2)
   CHECK_NEAR(d.P2(dual(0)).d, -0.5 / 0.09, 1e-13);
 }
@@ -173,10 +173,10 @@ TEST(batches_of_directions) {
       w.x.set(i, given[i].x), w.y.set(i, given[i].y), w.z.set(i, given[i].z);
     const batch D = wide.D(w), sigma = wide.sigma(w), Lambda = wide.Lambda(w), G1 = wide.G1(w);
     for (int i = 0; i < batch::size; ++i) {
-      CHECK_NEAR(D[i], one.D(given[i]), 4e-16);
-      CHECK_NEAR(sigma[i], one.sigma(given[i]), 4e-16);
-      CHECK_NEAR(Lambda[i], one.Lambda(given[i]), 4e-16);
-      CHECK_NEAR(G1[i], one.G1(given[i]), 4e-16);
+      CHECK_NEAR(D[i], one.D(given[i]), 1e-13);
+      CHECK_NEAR(sigma[i], one.sigma(given[i]), 1e-13);
+      CHECK_NEAR(Lambda[i], one.Lambda(given[i]), 1e-13);
+      CHECK_NEAR(G1[i], one.G1(given[i]), 1e-13);
     }
   });
 }

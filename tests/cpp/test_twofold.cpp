@@ -109,9 +109,9 @@ void limits() {
     const twofold<T> t(x);
     CHECK(exp(-t) == std::exp(-x) && exp(-(t * t)) == std::exp(-x * x));
     CHECK(log_twofold(t).high == std::log(x) && log1p_twofold(t).high == std::log1p(x));
-    CHECK(t.sum() == x && square(t).sum() == x * x);
+    CHECK(square(t).high == x * x);
   }
-  CHECK(std::isnan(exp(twofold<T>(mf::nan<T>()))) && std::isnan(log_twofold(twofold<T>(mf::nan<T>())).sum()));
+  CHECK(std::isnan(exp(twofold<T>(mf::nan<T>()))) && std::isnan(log_twofold(twofold<T>(mf::nan<T>())).high));
 }
 
 // A lane of a pack has the bits of the number alone.

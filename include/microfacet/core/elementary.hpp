@@ -6,97 +6,14 @@
 // normal numbers arguments and results count as zero.
 #pragma once
 
-#include <array>
-#include <bit>
-
 #include "microfacet/core/chebyshev.hpp"
-#include "microfacet/core/elementary_coefficients.hpp"
+#include "microfacet/core/format.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/pack.hpp"
 
 namespace microfacet {
 
 namespace elementary {
-
-template <class R>
-inline constexpr bool has_lanes = std::is_floating_point_v<R>;
-
-template <class R>
-struct integers_of {
-  using type = integer_of<R>;
-};
-
-template <std::floating_point T>
-integer_of<T> bits(T x) {
-  return std::bit_cast<integer_of<T>>(x);
-}
-template <std::floating_point T>
-T from_bits(integer_of<T> i, T) {
-  return std::bit_cast<T>(i);
-}
-
-// Bits of numbers without a meaning here (negative ones in log, say) may leave the range of a signed integer.
-template <class I>
-MICROFACET_INLINE I wrapping_sum(const I& a, const I& b) {
-  if constexpr (std::is_integral_v<I>) {
-    using bits = std::make_unsigned_t<I>;
-    return static_cast<I>(static_cast<bits>(a) + static_cast<bits>(b));
-  } else {
-    return a + b;
-  }
-}
-template <class I>
-MICROFACET_INLINE I wrapping_difference(const I& a, const I& b) {
-  if constexpr (std::is_integral_v<I>) {
-    using bits = std::make_unsigned_t<I>;
-    return static_cast<I>(static_cast<bits>(a) - static_cast<bits>(b));
-  } else {
-    return a - b;
-  }
-}
-
-#if MICROFACET_VECTOR_EXTENSIONS
-template <class T, std::size_t B, int K>
-inline constexpr bool has_lanes<pack<T, B, K>> = std::is_floating_point_v<T>;
-template <class T, std::size_t B, int K>
-struct integers_of<pack<T, B, K>> {
-  using type = typename pack<T, B, K>::integers;
-};
-#endif
-
-// The numbers that depend on the format of a lane.
-template <class Real>
-struct format_of_lane;
-template <>
-struct format_of_lane<float> {
-  static constexpr int mantissa = 23;
-  static constexpr std::int32_t half = 0x3f000000, sqrt_half = 0x3f3504f3;
-  static constexpr std::int32_t magnitude = 0x7fffffff, half_of_lower = 0x800;  // of 12 bits
-  static constexpr float round = 0x1.8p23f;  // adding it rounds to an integer, which the low bits then hold
-  static constexpr float ln2_high = 0x1.63p-1f, ln2_low = -0x1.bd0106p-13f;  // n ln2_high is exact
-  static constexpr float least = -86.6f, most = 88.722839f;                  // arguments of exp
-  static constexpr auto& exp = coefficients::exp_32;
-  static constexpr auto& log = coefficients::log_32;
-  static constexpr auto& sin = coefficients::sin_32;
-  static constexpr auto& cos = coefficients::cos_32;
-};
-template <>
-struct format_of_lane<double> {
-  static constexpr int mantissa = 52;
-  static constexpr std::int64_t half = 0x3fe0000000000000, sqrt_half = 0x3fe6a09e667f3bcd;
-  static constexpr std::int64_t magnitude = 0x7fffffffffffffff, half_of_lower = 0x4000000;  // of 27 bits
-  static constexpr double round = 0x1.8p52;
-  static constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
-  static constexpr double least = -707.7, most = 709.78271289338397;
-  static constexpr auto& exp = coefficients::exp_64;
-  static constexpr auto& log = coefficients::log_64;
-  static constexpr auto& sin = coefficients::sin_64;
-  static constexpr auto& cos = coefficients::cos_64;
-};
-template <class R>
-using format = format_of_lane<typename scalar_traits<R>::real>;
-template <class R>
-using integers = typename integers_of<R>::type;
 
 template <class R>
 MICROFACET_INLINE R abs(const R& x) {
@@ -141,7 +58,8 @@ MICROFACET_INLINE reduced<R> reduce(const R& x, const R& low) {
   const R shifted = multiply_add(x, R(std::numbers::log2e), R(f::round)), n = shifted - R(f::round);
   const R rest = multiply_add(n, R(-f::ln2_low), R(multiply_add(n, R(-f::ln2_high), x))) + low;
   const R excess = multiply_add(R(rest * rest), polynomial(f::exp, rest), rest);
-  constexpr auto bias = f::half + static_cast<decltype(f::half)>(Bias) * (decltype(f::half)(1) << f::mantissa);
+  constexpr auto bias =
+      f::half + static_cast<decltype(f::half)>(Bias) * (decltype(f::half)(1) << f::mantissa);
   return {excess, from_bits(wrapping_sum(integers<R>(bits(shifted) << f::mantissa), integers<R>(bias)), x)};
 }
 // 2^Bias exp(x + low).
@@ -164,8 +82,8 @@ MICROFACET_INLINE R expm1(const R& x) {
 }
 
 // x + low = 2^n (1 + e) for a positive x and |low| much below x, sqrt(1/2) <= 1 + e < sqrt(2), and
-// log(1 + e) = e - less: less = e^2/2 - s (e^2/2 + s^2 R(s^2)), s = e/(2 + e), so that the rounding of s enters
-// but once.
+// log(1 + e) = e - less: less = e^2/2 - s (e^2/2 + s^2 R(s^2)), s = e/(2 + e), so that the rounding of s
+// enters but once.
 template <class R>
 struct reduced_logarithm {
   R n, e, less;
@@ -176,7 +94,8 @@ MICROFACET_INLINE reduced_logarithm<R> reduce_log(const R& x, const R& low) {
   const integers<R> n = wrapping_difference(bits(x), integers<R>(f::sqrt_half)) >> f::mantissa;
   const integers<R> shift = n << f::mantissa;
   const R m = from_bits(wrapping_difference(bits(x), shift), x);
-  const R power = from_bits(wrapping_difference(integers<R>(bits(R(2))), shift), x);  // 2^(1 - n): n may be 1024
+  const R power =
+      from_bits(wrapping_difference(integers<R>(bits(R(2))), shift), x);  // 2^(1 - n): n may be 1024
   const R real_n = from_bits(wrapping_sum(integers<R>(bits(R(f::round))), n), x) - R(f::round);
   const R e = multiply_add(R(R(0.5) * low), power, R(m - R(1)));
   const R s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
@@ -226,7 +145,8 @@ MICROFACET_INLINE circle<R> cos_sin_of_turns(const R& x) {
   using f = format<R>;
   const R shifted = x * R(4) + R(f::round), y = R(4) * x - (shifted - R(f::round)), y2 = y * y;
   // sin(pi y/2) with its first term last, so that its rounding is the only one that counts.
-  const R s = multiply_add(y, R(f::sin[0]), R(y * y2 * polynomial<1>(f::sin, y2))), c = polynomial(f::cos, y2);
+  const R s = multiply_add(y, R(f::sin[0]), R(y * y2 * polynomial<1>(f::sin, y2))),
+          c = polynomial(f::cos, y2);
   const auto bit = [](int mask, const integers<R>& i) { return (i & integers<R>(mask)) != integers<R>(0); };
   const integers<R> quarter = bits(shifted);
   const auto swapped = bit(1, quarter), negative_sine = bit(2, quarter);
@@ -248,10 +168,10 @@ MICROFACET_INLINE T product_error(const T& a, const T& b, const T& p) {
 }
 
 #if MICROFACET_VECTOR_EXTENSIONS
-#define MICROFACET_OF_PACKS(NAME)                 \
-  template <class T, std::size_t B, int K>        \
-  MICROFACET_INLINE pack<T, B, K> NAME(const pack<T, B, K>& x) {    \
-    return elementary::NAME(x);                   \
+#define MICROFACET_OF_PACKS(NAME)                                \
+  template <class T, std::size_t B, int K>                       \
+  MICROFACET_INLINE pack<T, B, K> NAME(const pack<T, B, K>& x) { \
+    return elementary::NAME(x);                                  \
   }
 MICROFACET_OF_PACKS(abs)
 MICROFACET_OF_PACKS(floor)

@@ -1,8 +1,7 @@
-// The thin SIMD type: K registers of `Bytes` bytes on the vector extensions of GCC and Clang. A kernel that is
-// written on a scalar T runs on it as it is; its mathematics is core/elementary.hpp. A pack of integers is the
-// mask of a comparison (all bits of a lane set, or none) and the bits of a pack of floating-point numbers.
-//
-// K > 1 interleaves independent registers, which hides latency in long chains of dependent operations.
+// The thin SIMD type: K registers of `Bytes` bytes on the vector extensions of GCC and Clang (K > 1
+// interleaves chains of dependent operations). A kernel that is written on a scalar T runs on it as it is;
+// its mathematics is core/elementary.hpp. A pack of integers is the mask of a comparison or the bits of a
+// pack of numbers.
 #pragma once
 
 #include <bit>
@@ -41,9 +40,9 @@ struct pack {
   T operator[](int i) const { return v[i * K / size][i % (size / K)]; }
   void set(int i, T x) { v[i * K / size][i % (size / K)] = x; }
 
-#define MICROFACET_BINARY(RESULT, OP)                            \
-  MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) {      \
-    return RESULT::from([&](int k) { return a.v[k] OP b.v[k]; }); \
+#define MICROFACET_BINARY(RESULT, OP)                                         \
+  MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) { \
+    return RESULT::from([&](int k) { return a.v[k] OP b.v[k]; });             \
   }
   MICROFACET_BINARY(pack, +)
   MICROFACET_BINARY(pack, -)
@@ -60,22 +59,20 @@ struct pack {
   MICROFACET_BINARY(integers, !=)
 #undef MICROFACET_BINARY
 #define MICROFACET_UNARY(EXPRESSION) return from([&](int k) { return EXPRESSION; });
-  MICROFACET_INLINE friend pack operator-(const pack& a) { MICROFACET_UNARY(-a.v[k]) }
-  MICROFACET_INLINE friend pack operator!(const pack& a) { MICROFACET_UNARY(~a.v[k]) }
-  MICROFACET_INLINE friend pack operator<<(const pack& a, int n) { MICROFACET_UNARY(a.v[k] << n) }
-  MICROFACET_INLINE friend pack operator>>(const pack& a, int n) { MICROFACET_UNARY(a.v[k] >> n) }
+  MICROFACET_INLINE friend pack operator-(const pack& a){MICROFACET_UNARY(-a.v[k])} MICROFACET_INLINE
+      friend pack operator!(const pack& a){MICROFACET_UNARY(~a.v[k])} MICROFACET_INLINE
+      friend pack operator<<(const pack& a, int n){MICROFACET_UNARY(a.v[k] << n)} MICROFACET_INLINE
+      friend pack operator>>(const pack& a, int n){MICROFACET_UNARY(a.v[k] >> n)}
 
-  MICROFACET_INLINE friend pack select(const integers& mask, const pack& a, const pack& b) {
-    MICROFACET_UNARY(mask.v[k] ? a.v[k] : b.v[k])
-  }
-  MICROFACET_INLINE friend integers bits(const pack& a) {
+  MICROFACET_INLINE friend pack select(const integers& mask, const pack& a, const pack& b){
+      MICROFACET_UNARY(mask.v[k] ? a.v[k] : b.v[k])} MICROFACET_INLINE friend integers bits(const pack& a) {
     return integers::from([&](int k) { return std::bit_cast<typename integers::vector>(a.v[k]); });
   }
-  MICROFACET_INLINE friend pack from_bits(const integers& a, const pack&) {  // the pack only names the type
-    MICROFACET_UNARY(std::bit_cast<vector>(a.v[k]))
-  }
-  MICROFACET_INLINE friend pack sqrt(const pack& a) { MICROFACET_UNARY(registers::sqrt(a.v[k])) }
-  MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c) {
+  MICROFACET_INLINE friend pack from_bits(const integers& a, const pack&){
+      // the pack only names the type
+      MICROFACET_UNARY(std::bit_cast<vector>(a.v[k]))} MICROFACET_INLINE friend pack
+      sqrt(const pack& a){MICROFACET_UNARY(registers::sqrt(a.v[k]))} MICROFACET_INLINE friend pack
+      multiply_add(const pack& a, const pack& b, const pack& c) {
 #if MICROFACET_FUSED
     MICROFACET_UNARY(registers::fused(a.v[k], b.v[k], c.v[k]))
 #else

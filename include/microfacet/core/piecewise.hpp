@@ -1,7 +1,7 @@
 // A positive function of x > 0 as piecewise polynomials of log f in log x. In these variables a power law is
 // straight, and what lies between two power laws is smooth: few pieces reach from the least number to the
-// largest. In each, f = f(centre) exp(v p(v)), v = log x - centre, so that nothing large is ever rounded: an f
-// of 1e-300 keeps its digits.
+// largest. In each, f = f(centre) exp(v p(v)), v = log x - centre, so that nothing large is ever rounded: an
+// f of 1e-300 keeps its digits.
 #pragma once
 
 #include <array>
@@ -23,15 +23,16 @@ struct piecewise {
   using real = T;
   using row = std::array<T, Pieces>;
 
-  alignas(64) row start{};  // x from which on a piece holds, ascending; start[0] is not looked at, unused are inf
-  row centre{};             // log x with so few digits that n ln2_high - centre is exact
-  row twice_value{};        // 2 f(centre)
+  alignas(
+      64) row start{};  // x from which on a piece holds, ascending; start[0] is not looked at, unused are inf
+  row centre{};         // log x with so few digits that n ln2_high - centre is exact
+  row twice_value{};    // 2 f(centre)
   std::array<row, Terms> coefficient{};
   T lower{1}, upper{1};  // normal numbers: f(0) below the one, f(upper) above the other
   T at_zero{};
   double error = inf, far_error = inf;  // largest relative errors found, near f = 1 and far from it
 
-  bool few = false;                     // at most half of the pieces are in use
+  bool few = false;  // at most half of the pieces are in use
 
   template <class R>
   MICROFACET_INLINE R operator()(const twofold<R>& x) const {
@@ -43,7 +44,8 @@ struct piecewise {
   template <class R>
   MICROFACET_INLINE R of_small_root(const R& x) const {
     const R inside = minimum(maximum(x, smallest<R>()), R(1));
-    const R f = polynomial_of<Pieces / 2>(log_less<2>(inside, R(0), R(centre[0])), elementary::integers<R>(0));
+    const R f =
+        polynomial_of<Pieces / 2>(log_less<2>(inside, R(0), R(centre[0])), elementary::integers<R>(0));
     return select(x < smallest<R>(), R(at_zero), f);
   }
 
@@ -60,8 +62,10 @@ struct piecewise {
     constexpr std::size_t last_even = (Terms - 1) / 2 * 2, last_odd = Terms / 2 * 2 - 1;
     const R v2 = v * v;
     R even = lookup<N>(coefficient[last_even], i), odd = lookup<N>(coefficient[last_odd], i);
-    for (std::size_t k = last_even; k >= 2; k -= 2) even = multiply_add(even, v2, lookup<N>(coefficient[k - 2], i));
-    for (std::size_t k = last_odd; k >= 3; k -= 2) odd = multiply_add(odd, v2, lookup<N>(coefficient[k - 2], i));
+    for (std::size_t k = last_even; k >= 2; k -= 2)
+      even = multiply_add(even, v2, lookup<N>(coefficient[k - 2], i));
+    for (std::size_t k = last_odd; k >= 3; k -= 2)
+      odd = multiply_add(odd, v2, lookup<N>(coefficient[k - 2], i));
     const elementary::reduced<R> e = elementary::reduce(R(v * multiply_add(odd, v, even)), R(0));
     const R scale = lookup<N>(twice_value, i) * e.power;
     return multiply_add(scale, e.excess, scale);
@@ -75,7 +79,8 @@ struct piecewise {
     using elementary::bits;
     using elementary::from_bits;
     const integers n = (bits(x) - integers(f::sqrt_half)) >> f::mantissa, shift = n << f::mantissa;
-    const R m = from_bits(integers(bits(x) - shift), x), power = from_bits(integers(integers(bits(R(1))) - shift), x);
+    const R m = from_bits(integers(bits(x) - shift), x),
+            power = from_bits(integers(integers(bits(R(1))) - shift), x);
     const R real_n = from_bits(integers(integers(bits(R(f::round))) + n), x) - R(f::round);
     const R e = multiply_add(low, power, R(m - R(1))), s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
     const R less = half - s * multiply_add(s2, polynomial(f::log, s2), half);

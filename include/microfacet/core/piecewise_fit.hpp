@@ -1,6 +1,7 @@
-// Builds a piecewise table from a function that is given in double precision: piece after piece from the left,
-// each as wide as Chebyshev interpolation of log f reaches the precision wanted (Trefethen, Approximation
-// Theory and Approximation Practice, 2013). Then the table itself is measured between the nodes.
+// Builds a piecewise table from a function that is given in double precision: piece after piece from the
+// left, each as wide as Chebyshev interpolation of log f reaches the precision wanted (Trefethen,
+// Approximation Theory and Approximation Practice, 2013). Then the table itself is measured between the
+// nodes.
 #pragma once
 
 #include <algorithm>
@@ -34,18 +35,20 @@ constexpr std::array<double, 4 * N> quarter_waves() {
 }  // namespace detail
 
 // Where f is to be met, in L = log x: pieces from `lower`, the first up to `first_end` if that is larger, to
-// `upper`. Above, f goes on as a power of x; where it falls below `least`, it ends. f(0) stands below `lower`.
+// `upper`. Above, f goes on as a power of x; where it falls below `least`, it ends. f(0) stands below
+// `lower`.
 struct fit_range {
   double lower, first_end, upper, at_zero, least;
 };
 
-// Relative errors of interpolation that count as none: near f = 1, where abs(log f) < central, and far from it.
-// The polynomial itself is rounded by its swing, the largest abs(log(f/f(centre))).
+// Relative errors of interpolation that count as none: near f = 1, where abs(log f) < central, and far from
+// it. The polynomial itself is rounded by its swing, the largest abs(log(f/f(centre))).
 template <class T>
 struct fit_precision;
 template <>
 struct fit_precision<float> {
-  static constexpr double error = 6e-8, far_error = 2e-6, central = 20, swing = 2.5, far_swing = 20, rounding = 0;
+  static constexpr double error = 6e-8, far_error = 2e-6, central = 20, swing = 2.5, far_swing = 20,
+                          rounding = 0;
   static constexpr double grid = 0x1p16;  // of centres
 };
 template <>
@@ -104,7 +107,8 @@ class piecewise_fit {
     constexpr std::size_t points = 16;
     for (int round = 0; round < 4; ++round) {
       std::array<double, points> at, f;
-      for (std::size_t i = 0; i < points; ++i) at[i] = from + (to - from) * static_cast<double>(i + 1) / points;
+      for (std::size_t i = 0; i < points; ++i)
+        at[i] = from + (to - from) * static_cast<double>(i + 1) / points;
       sample(at.data(), f.data(), points);
       const auto i = static_cast<std::size_t>(std::find_if_not(f.begin(), f.end(), inside) - f.begin());
       if (i == points) return to;
@@ -124,7 +128,8 @@ class piecewise_fit {
       const double growth = 0.97 * std::pow(std::max(now.excess, 1e-30), -1.0 / nodes), tried = 2 * now.half;
       if (now.excess <= 1) {
         met_ = now;
-        width = std::min(tried * std::clamp(growth, now.excess < 0.3 ? 1.5 : 1.0, 6.0), 0.5 * (tried + failed));
+        width =
+            std::min(tried * std::clamp(growth, now.excess < 0.3 ? 1.5 : 1.0, 6.0), 0.5 * (tried + failed));
       } else {
         failed = tried;
         width = std::max(tried * std::clamp(growth, 0.2, 0.9), 0.5 * (2 * met_.half + tried));
@@ -156,7 +161,8 @@ class piecewise_fit {
     }
     const bool far = is_far(f.front()) && is_far(f.back());
     const double rest = std::max(std::abs(p.chebyshev[nodes - 1]), 0.2 * std::abs(p.chebyshev[nodes - 2]));
-    const double wide = std::pow(swing / (far ? limits::far_swing : limits::swing), static_cast<double>(nodes));
+    const double wide =
+        std::pow(swing / (far ? limits::far_swing : limits::swing), static_cast<double>(nodes));
     const double allowed = (far ? limits::far_error : limits::error) + limits::rounding * swing;
     p.excess = std::max(rest / allowed, wide);
     if (!(p.excess < inf)) p.excess = 1e30;

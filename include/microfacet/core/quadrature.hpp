@@ -1,27 +1,37 @@
-// The trapezoidal rule for positive analytic integrands on the line, which converges exponentially
-// (Trefethen and Weideman, SIAM Review 56, 2014).
+// Gauss and Chebyshev's rule for integrands that are analytic but for square roots at both ends of an interval:
+// the midpoint rule in theta, where c = sin^2(theta/2). It converges like rho^(-2n), rho being the sum of the
+// semi-axes of the largest ellipse of analyticity about the interval [-1, 1] (Trefethen and Weideman, SIAM Review
+// 56, 2014).
 #pragma once
 
 #include "microfacet/core/math.hpp"
 
 namespace microfacet {
 
-// int_0^inf f(t) dt of an even f that falls like exp(-t) from `bend` on and whose singularities lie off the
-// line, none beyond `bend`. The odd map t = y + 2 exp(-bend) sinh(y) makes that fall doubly exponential.
-template <class T, class Integrand>
-T trapezoid_even(const Integrand& f, const T& step, const T& bend) {
-  constexpr int most = 4000;
-  const T fold = exp(-bend);
-  T sum = T(0.5) * (T(1) + T(2) * fold) * f(T(0));
-  for (int j = 1; j < most; ++j) {
-    const T y = T(j) * step;
-    const auto inside = y < bend + T(4.2);
-    if (!any(inside)) break;
-    const T grow = exp(minimum(y, T(bend + T(4.2))) - bend), shrink = square(fold) / grow;
-    const T term = f(T(y + grow - shrink)) * (T(1) + grow + shrink);
-    sum = select(inside, T(sum + term), sum);
+inline constexpr int most_node_pairs = 48;
+
+// int_0^1 f(c) dc by 2 `pairs` nodes (each lane has its own number, 2 at least): pair(c, 1 - c) = f(c) + f(1 - c).
+template <class T, class Pair>
+T integral_between_roots(const Pair& pair, const T& pairs) {
+  // theta/2 starts at pi/(8 pairs) and advances by twice that: a rotation. Taylor's series for angles below 0.2.
+  const T first = T(pi / 8) / pairs, square_of_first = first * first;
+  T sine(1), cosine(1);
+  for (int n = 6; n > 0; --n) {
+    sine = T(1) - sine * square_of_first * T(1.0 / (2 * n * (2 * n + 1)));
+    cosine = T(1) - cosine * square_of_first * T(1.0 / (2 * n * (2 * n - 1)));
   }
-  return step * sum;
+  sine = sine * first;
+  const T turn_sine = T(2) * sine * cosine, turn_cosine = T(1) - T(2) * sine * sine;
+  T sum(0);
+  for (int j = 0; j < most_node_pairs; ++j) {
+    const auto inside = T(j) < pairs;
+    if (!any(inside)) break;
+    const T term = pair(T(sine * sine), T(cosine * cosine)) * (sine * cosine);
+    sum = select(inside, T(sum + term), sum);
+    const T next = sine * turn_cosine + cosine * turn_sine;
+    cosine = cosine * turn_cosine - sine * turn_sine, sine = next;
+  }
+  return T(4) * first * sum;
 }
 
 }  // namespace microfacet

@@ -1,5 +1,5 @@
-// The two instructions that a register's operators do not reach: a * b + c rounded once, and sqrt. On x86-64 by
-// name, elsewhere by a loop over the lanes that the compiler turns into the instruction if it can.
+// The two instructions that a register's operators do not reach: a * b + c rounded once, and sqrt. On x86-64
+// by name, elsewhere by a loop over the lanes that the compiler turns into the instruction if it can.
 #pragma once
 
 #include <cmath>
@@ -26,10 +26,8 @@ MICROFACET_INLINE Vector fused(Vector a, const Vector& b, const Vector& c) {
 #if defined(__x86_64__)
 #define MICROFACET_REGISTER(TYPE, PREFIX, SUFFIX) \
   MICROFACET_INLINE TYPE sqrt(TYPE a) { return PREFIX##_sqrt_##SUFFIX(a); }
-#define MICROFACET_FUSED_REGISTER(TYPE, PREFIX, SUFFIX)          \
-  MICROFACET_INLINE TYPE fused(TYPE a, TYPE b, TYPE c) {         \
-    return PREFIX##_fmadd_##SUFFIX(a, b, c);                     \
-  }
+#define MICROFACET_FUSED_REGISTER(TYPE, PREFIX, SUFFIX) \
+  MICROFACET_INLINE TYPE fused(TYPE a, TYPE b, TYPE c) { return PREFIX##_fmadd_##SUFFIX(a, b, c); }
 MICROFACET_REGISTER(__m128, _mm, ps)
 MICROFACET_REGISTER(__m128d, _mm, pd)
 #if defined(__AVX__)

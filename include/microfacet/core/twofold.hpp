@@ -1,8 +1,8 @@
 // Numbers as the unevaluated sum of two: exponents need more digits than their results, since exp(-r) carries
 // the rounding of r times r (Dekker, Numerische Mathematik 18, 1971; Ogita, Rump and Oishi, SIAM J. Sci.
 // Comput. 26, 2005). A T becomes a twofold by itself; one whose products are not known exactly keeps low = 0.
-// `high` alone is rounded to within `low`, which need not be as small as the rounding of `high`: where one T is
-// wanted, take sum(). Beside an infinite high, low is nan, and exp and log_twofold know that.
+// `high` alone is the number to a few roundings. Beside an infinite high, low is nan: exp and log_twofold
+// know that.
 #pragma once
 
 #include <type_traits>
@@ -18,11 +18,6 @@ struct twofold {
 
   MICROFACET_INLINE twofold(const T& value) : high(value), low(T(0)) {}
   MICROFACET_INLINE twofold(const T& h, const T& l) : high(h), low(l) {}
-
-  MICROFACET_INLINE T sum() const {
-    const T s = high + low;
-    return select(s == s, s, high);
-  }
 
   friend twofold operator-(const twofold& a) { return {-a.high, -a.low}; }
   MICROFACET_INLINE friend twofold operator*(const T& power_of_two, const twofold& a) {

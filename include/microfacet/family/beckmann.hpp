@@ -40,11 +40,18 @@ class beckmann {
   }
   T survival(const twofold<T>& r2) const { return exp(-r2); }
   T radius2(const T& xi) const { return -log1p(-xi); }
-  T P2(const slope<T>& t) const { return exp(-t.squared) * T(1 / sqrt_pi); }
+  T P2(const slope<T>& t, const T& factor = T(1)) const {
+    return exp<60>(-t.squared) * (T(0x1p-60 / sqrt_pi) * factor);
+  }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [](const slope<T>& x) { return T(0.5) * exp(-x.squared) * erfc_scaled(x.value.high); });
+    return symmetric_sf(
+        t, [](const slope<T>& x) { return T(0.5) * exp(-x.squared) * erfc_scaled(x.value.high); });
   }
   T slope_excess(const slope<T>& x) const { return T(0.5) * exp(-x.squared) * ierfc_scaled(x.value.high); }
+  fraction<T> slope_excess_fraction(const slope<T>& x) const {
+    const auto [numerator, denominator] = ierfc_scaled_fraction(x.value.high);
+    return {T(0.5) * exp(-x.squared) * numerator, denominator};
+  }
 };
 
 static_assert(radial_family<beckmann<double>>);

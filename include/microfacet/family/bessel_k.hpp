@@ -100,7 +100,7 @@ class bessel_k {
   // The density of slopes of length y; near its singularity the square of y underflows first.
   T P22_of_slope(const T& y) const { return exp(radial_.log_P22(y)); }
   T D(const T& z, const twofold<T>& h2) const {
-    return density_from_log(radial_.log_P22(T(sqrt(h2.sum()) / z)), z);
+    return density_from_log(radial_.log_P22(T(sqrt(h2.high) / z)), z);
   }
   T survival(const twofold<T>& r2) const { return radial_.survival(sqrt(r2.high)); }
   T radius(const T& xi) const { return radial_.inverse(xi); }

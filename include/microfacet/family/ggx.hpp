@@ -30,24 +30,23 @@ class ggx {
   static constexpr bool native_float32 = true, costly = false;
 
   T nothing() const { return T(0); }
-  T P22(const twofold<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.sum())); }
-  T D(const T& z, const twofold<T>& h2) const { return T(1 / pi) / square(T(z * z + h2.sum())); }
-  T survival(const twofold<T>& r2) const { return T(1) / (T(1) + r2.sum()); }
+  T P22(const twofold<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.high)); }
+  T D(const T& z, const twofold<T>& h2) const { return T(1 / pi) / square(T(z * z + h2.high)); }
+  T survival(const twofold<T>& r2) const { return T(1) / (T(1) + r2.high); }
   T radius2(const T& xi) const { return xi / (T(1) - xi); }
-  T P2(const slope<T>& t) const {
-    const T a = T(1) + t.squared.sum();
-    return T(0.5) / (a * sqrt(a));
+  T P2(const slope<T>& t, const T& factor = T(1)) const {
+    const T a = T(1) + t.squared.high;
+    return T(0.5) * factor / a / sqrt(a);
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [](const slope<T>& x) {
-      const T root = sqrt(T(1) + x.squared.sum());
-      return T(0.5) / (root * (root + x.value.sum()));
+      const T root = sqrt(T(1) + x.squared.high);
+      return T(0.5) / (root * (root + x.value.high));
     });
   }
-  T slope_excess(const slope<T>& x) const { return T(0.5) / (x.value.sum() + sqrt(T(1) + x.squared.sum())); }
-  // s J(|c|/s) without the division.
-  T sigma_below(const T& c, const T& s2) const {
-    return T(0.5) * s2 / maximum(T(abs(c) + sqrt(c * c + s2)), smallest<T>());
+  T slope_excess(const slope<T>& x) const { return T(0.5) / (x.value.high + sqrt(T(1) + x.squared.high)); }
+  fraction<T> sigma_below(const T& c, const T& s2) const {
+    return {T(0.5) * s2, maximum(T(abs(c) + sqrt(c * c + s2)), smallest<T>())};
   }
 };
 

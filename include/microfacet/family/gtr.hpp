@@ -56,7 +56,7 @@ class gtr {
   // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows
   // alone.
   T D(const T& z, const twofold<T>& h2_argument) const {
-    const T z2 = z * z, h2 = h2_argument.sum(), length2 = z2 + h2;
+    const T z2 = z * z, h2 = minimum(h2_argument.high, square(largest_slope<T>())), length2 = z2 + h2;
     const T q = (a2_ * z2 + h2) / smaller_;
     return norm_ * pow(T(length2 / q), gamma_) / square(length2);
   }

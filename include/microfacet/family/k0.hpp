@@ -27,20 +27,22 @@ namespace detail {
 template <class T>
 class k0_functions {
  public:
-  explicit k0_functions(const twofold<T>& y2) : k0_functions(sqrt(y2), y2.sum()) {}
+  explicit k0_functions(const twofold<T>& y2) : k0_functions(sqrt(y2), y2.high) {}
   k0_functions(const twofold<T>& y, const T& y2)
-      : near_(y.high < T(0.5625)), y_(minimum(maximum(y.sum(), smallest<T>()), T(1e3))), y2_(y2), decay_(y) {}
+      : near_(y.high < T(0.5625)), y_(minimum(maximum(y.high, smallest<T>()), T(1e3))), y2_(y2), decay_(y) {}
 
   template <int Bias = 0>
   T density() const {  // 2^Bias 2 K_0(2y)
     using namespace coefficients;
     const auto inside = [&] {
-      const T value = multiply_add(logarithm(), polynomial(by_precision<T>(k0_near_log_32, k0_near_log_64), y2_),
-                                   T(y2_ * polynomial(by_precision<T>(k0_near_32, k0_near_64), y2_)));
+      const T value =
+          multiply_add(logarithm(), polynomial(by_precision<T>(k0_near_log_32, k0_near_log_64), y2_),
+                       T(y2_ * polynomial(by_precision<T>(k0_near_32, k0_near_64), y2_)));
       return T(T(std::ldexp(1.0, Bias)) * value);
     };
     const auto outside = [&] {
-      return T(exp<Bias>(T(-2) * decay_) * polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_) /
+      return T(exp<Bias>(T(-2) * decay_) *
+               polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_) /
                (polynomial(by_precision<T>(k0_far_denominator_32, k0_far_denominator_64), y_) * sqrt(y_)));
     };
     return choose(near_, inside, outside);
@@ -88,19 +90,20 @@ class k0 {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
     const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
-    const T value = detail::k0_functions<T>(r2).template density<60>() * reciprocal * (reciprocal * T(0x1p-60 / pi));
+    const T value =
+        detail::k0_functions<T>(r2).template density<60>() * reciprocal * (reciprocal * T(0x1p-60 / pi));
     return select(r2.high == T(0), T(inf), value);
   }
   T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
   T radius2(const T& xi) const { return square(radius(xi)); }
   // Newton's method: near the normal on log(1 - survival) against log y, beyond on log(survival) against y.
-  T radius(const T& xi) const {
+  T radius(const T& xi_argument) const {
     constexpr int most = 40;
+    const T xi = maximum(xi_argument, T(T(4096) * smallest<T>()));  // y^2 stays a normal number
     const T rest = T(1) - xi;
     const auto lower = xi < T(0.3);
     const T target = log(select(lower, xi, rest));
-    T y = select(lower, T(sqrt(xi / (T(1) - T(0.5) * log(maximum(xi, smallest<T>()))))),
-                 T(T(0.25) - T(0.55) * log(rest)));
+    T y = select(lower, T(sqrt(xi / (T(1) - T(0.5) * log(xi)))), T(T(0.25) - T(0.55) * log(rest)));
     auto moving = y == y;  // a lane that has converged stays, so that its neighbours do not change it
     for (int i = 0; i < most; ++i) {
       const detail::k0_functions<T> at(y, T(y * y));
@@ -117,9 +120,11 @@ class k0 {
       moving = moving & far;
       if (!any(moving)) break;
     }
-    return select(xi == T(0), T(0), y);
+    return select(xi_argument == T(0), T(0), y);
   }
-  T P2(const slope<T>& t) const { return exp(T(-2) * abs(t.value)); }
+  T P2(const slope<T>& t, const T& factor = T(1)) const {
+    return exp<60>(T(-2) * abs(t.value)) * (T(0x1p-60) * factor);
+  }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [](const slope<T>& x) { return T(0.5) * exp(T(-2) * x.value); });
   }

@@ -28,6 +28,11 @@ struct slope {
   }
 };
 
+template <class T>
+struct fraction {
+  T numerator, denominator;
+};
+
 // clang-format off
 template <class F>
 concept radial_family = requires(const F f, typename F::scalar xi, twofold<typename F::scalar> r2, slope<typename F::scalar> t) {
@@ -58,8 +63,9 @@ T symmetric_sf(const slope<T>& t_argument, const Upper& upper) {
   const T most = largest_slope<T>(), t = t_argument.value.high, size = abs(t);
   const auto finite = size < most;
   const twofold<T> exact = abs(t_argument.value), &square = t_argument.squared;
-  const T q = upper(slope<T>({select(finite, size, most), select(finite, exact.low, T(0))},
-                             {select(finite, square.high, T(most * most)), select(finite, square.low, T(0))}));
+  const T q =
+      upper(slope<T>({select(finite, size, most), select(finite, exact.low, T(0))},
+                     {select(finite, square.high, T(most * most)), select(finite, square.low, T(0))}));
   const T above = select(size == T(0), T(0.5) + T(0) * q, select(size < most, q, T(0) * q));
   return select(t < T(0), T(T(1) - above), select(size >= T(0), above, size));
 }

@@ -5,9 +5,7 @@
 //   P22(r2)         = A(r2)^(-gamma)/pi
 //   survival(r2)    = A(r2)^(-k)
 //   P2(t)           = N A(t^2)^(-k - 1/2),  N = Gamma(k + 1/2)/(sqrt(pi k) Gamma(k))
-//   slope_sf(t)     = Student's t tail, an incomplete Beta function
-//   slope_excess(x) = N k/(2k - 1) A(x^2)^(1/2 - k) - x slope_sf(x) for small x, a continued fraction for
-//   large
+//   slope_sf(t), slope_excess(x)   A(t^2)^(-k) times what special/student.hpp has
 //
 // Domain: gamma > 3/2; at 3/2 the mean slope, and with it sigma, diverges. The density and its slope
 // marginals need gamma > 1 only. Ribardiere et al. 2017; d'Eon's notebook "Student-T NDF".
@@ -32,7 +30,7 @@ class student_t {
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};
   static constexpr std::array<std::string_view, 2> sources{"ribardiere2017std", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = false, costly = true;
+  static constexpr bool native_float32 = true, costly = true;
 
   explicit student_t(const T& gamma)
       : k_(where((gamma > T(parameters[0].density_lower)) & (gamma < T(inf)), T(gamma - T(1)))),
@@ -54,43 +52,32 @@ class student_t {
   T radius2(const T& xi) const { return square(radius(xi)); }
   // For gamma near 1 slopes reach beyond the square root of the largest number.
   T radius(const T& xi) const {
-    const T growth = log1p(-xi) / k_;
-    return sqrt(-k_ * expm1(growth)) * exp(T(-0.5) * growth);
+    const T depth = log1p(-xi), growth = depth / k_;
+    return sqrt(-depth * expm1_over(growth)) * exp(T(-0.5) * growth);
   }
-  T P2(const slope<T>& t) const { return norm_ * power(t.squared, T(k_ + T(0.5))); }
+  T P2(const slope<T>& t, const T& factor = T(1)) const {
+    return power<60>(t.squared, T(k_ + T(0.5))) * (norm_ * T(0x1p-60) * factor);
+  }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [this](const slope<T>& x) { return upper_tail(x.value.high); });
+    return symmetric_sf(t, [this](const slope<T>& x) {
+      return times_power(x.squared, k_, [this](const T& y, const T& q) { return student::tail(k_, y, q); });
+    });
   }
-  T slope_excess(const slope<T>& x_argument) const {
-    const T x = x_argument.value.high;
-    const T k = where(k_ > T(parameters[0].lower - 1.0), k_), x2 = x * x;
-    const auto tail = student::in_tail(k, x2);
-    const auto far = [&] {
-      const T inside = select(tail, x, T(sqrt(T(2) + k)));
-      return T(P2(inside) * student::excess_over_density(k, inside));
-    };
-    const auto near = [&] {
-      return T(norm_ * k / (T(2) * k - T(1)) * power(x2, T(k - T(0.5))) - x * upper_tail(x));
-    };
-    return choose(tail, far, near);
+  T slope_excess(const slope<T>& x) const {
+    const T k = where(k_ > T(parameters[0].lower - 1.0), k_);
+    return times_power(x.squared, k, [&](const T& y, const T& q) { return student::excess(k, y, q); });
   }
 
  private:
+  // 2^Bias A(r2)^(-exponent), and that times a function of r2/k and log A.
+  template <int Bias = 0>
   T power(const twofold<T>& r2, const T& exponent) const {
-    return exp(-(log1p_twofold(r2 * inverse_k_) * twofold<T>(exponent)));
+    return exp<Bias>(-(log1p_twofold(r2 * inverse_k_) * twofold<T>(exponent)));
   }
-
-  T upper_tail(const T& x) const {
-    const auto tail = student::in_tail(k_, T(x * x));
-    const auto far = [&] {
-      const T inside = select(tail, x, T(sqrt(T(2) + k_)));
-      return T(P2(inside) * student::tail_over_density(k_, inside));
-    };
-    const auto near = [&] {
-      const T inside = select(tail, T(0), x);
-      return T(T(0.5) - P2(inside) * student::centre_over_density(k_, inside));
-    };
-    return choose(tail, far, near);
+  template <class Factor>
+  T times_power(const twofold<T>& r2, const T& exponent, const Factor& factor) const {
+    const twofold<T> y = r2 * inverse_k_, q = log1p_twofold(y);
+    return exp(-(q * twofold<T>(exponent))) * factor(y.high, q.high);
   }
 
   T k_, norm_;

@@ -12,40 +12,53 @@
 
 namespace microfacet {
 
-// s J(|c|/s), the area seen from below: sigma(-|c|, s). At s = 0 it is 0.
+// s J(|c|/s), the area seen from below: sigma(-|c|, s); at s = 0 it is 0. As a fraction, so that each
+// quantity divides once: a family may state J as slope_excess_fraction, or all of it as sigma_below, without
+// a quotient |c|/s.
 template <class T, class Family>
-T sigma_below(const Family& family, const T& c, const twofold<T>& s2) {
+fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) {
   if constexpr (requires { family.sigma_below(c, s2.high); }) {
-    return family.sigma_below(c, s2.sum());
+    return family.sigma_below(c, s2.high);
   } else {
     // Beyond the largest slope, and at s = 0, nothing is left.
-    const T s2_sum = s2.sum(), least_ratio = T(1) / square(largest_slope<T>());
-    const auto inside = s2_sum > multiply_add(T(c * c), least_ratio, smallest<T>());
-    const T divisor = select(inside, s2_sum, T(1)), reciprocal = T(1) / divisor, s = sqrt(divisor);
-    const twofold<T> x2 = quotient(exact_product(c, c), twofold<T>(divisor, (s2.high - divisor) + s2.low), reciprocal);
-    const T below = s * family.slope_excess(slope<T>::of_square(T(abs(c) * s * reciprocal), x2));
-    return select(inside, below, T(below * T(0)));
+    const T least_ratio = T(1) / square(largest_slope<T>());
+    const auto inside = s2.high > multiply_add(T(c * c), least_ratio, smallest<T>());
+    const twofold<T> divisor(select(inside, s2.high, T(1)), s2.low);
+    const T reciprocal = T(1) / divisor.high, s = sqrt(divisor.high);
+    const slope<T> x =
+        slope<T>::of_square(T(abs(c) * s * reciprocal), quotient(exact_product(c, c), divisor, reciprocal));
+    fraction<T> below{T(0), T(1)};
+    if constexpr (requires { family.slope_excess_fraction(x); }) {
+      below = family.slope_excess_fraction(x);
+    } else {
+      below.numerator = family.slope_excess(x);
+    }
+    below.numerator = below.numerator * s;
+    below.numerator = select(inside, below.numerator, T((below.numerator + s2.high) * T(0)));
+    return below;
   }
 }
 
 template <class T, class Family>
 T sigma(const Family& family, const T& c, const twofold<T>& s2) {
-  return maximum(c, T(0)) + sigma_below(family, c, s2);
+  const fraction<T> below = sigma_below(family, c, s2);
+  return maximum(c, T(0)) + below.numerator / below.denominator;
 }
 
 // sigma(c)/c - 1 = sigma(-c)/c for c > 0; Lambda(-c) = -1 - Lambda(c); infinite at c = 0.
 template <class T, class Family>
 T Lambda(const Family& family, const T& c, const twofold<T>& s2) {
-  const T below = sigma_below(family, c, s2);
-  const T ratio = below / abs(c);
+  const fraction<T> below = sigma_below(family, c, s2);
+  const T ratio = below.numerator / (abs(c) * below.denominator);
   return select(c < T(0), T(T(-1) - ratio), ratio);
 }
 
 // c/sigma(c) for c > 0, else 0.
 template <class T, class Family>
 T G1(const Family& family, const T& c, const twofold<T>& s2) {
-  const T area = sigma(family, c, s2);
-  return select(c > T(0), T(c / area), T(area * T(0)));
+  const fraction<T> below = sigma_below(family, c, s2);
+  const T visible = c * below.denominator, value = visible / (visible + below.numerator);
+  return select(c > T(0), value, T((c + below.numerator) * T(0)));
 }
 
 // Height-correlated masking and shadowing (Heitz 2014) of reflection, and of transmission its Beta form, for

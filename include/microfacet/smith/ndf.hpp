@@ -19,20 +19,28 @@ class ndf {
   const Family& family() const { return family_; }
   const Shape& shape() const { return shape_; }
 
-  // Slopes.
+  // Slopes. P22 is D of a normal with z^4 = area.
   T P22(const T& p, const T& q) const {
-    const twofold<T> r2 = shape_.slope2(p, q);
-    const auto by_square = [&] { return T(family_.P22(r2) * shape_.inverse_area()); };
+    const twofold<T> h2 = shape_.unit_slope2(p, q);
+    const auto by_square = [&] { return T(family_.D(shape_.unit(), h2) * shape_.unit_density()); };
     if constexpr (requires { family_.P22_of_slope(p); }) {
       const auto by_slope = [&] {
-        return T(family_.P22_of_slope(shape_.length(p, q)) * shape_.inverse_area());
+        const T unit2 = square(shape_.unit());
+        return T(family_.P22_of_slope(shape_.length(p, q)) * (shape_.unit_density() / unit2 / unit2));
       };
-      return choose(r2.high < T(16) * smallest<T>(), by_slope, by_square);
+      return choose(h2.high < T(16) * smallest<T>() * square(shape_.unit()), by_slope, by_square);
     } else {
       return by_square();
     }
   }
-  T P2(const T& p) const { return family_.P2(shape_.standard(p)) * shape_.inverse_along_x(); }
+  T P2(const T& p) const {
+    const twofold<T> t = shape_.standard(p);
+    if constexpr (requires { family_.P2(t, p); }) {  // times a factor that lifts what underflows alone
+      return family_.P2(t, shape_.inverse_along_x());
+    } else {
+      return family_.P2(t) * shape_.inverse_along_x();
+    }
+  }
   T slope_cdf(const T& p) const { return family_.slope_sf(-shape_.standard(p)); }
 
   // Normals, per steradian: P22 at the slopes (-x/z, -y/z), over (z/|m|)^4.
@@ -51,7 +59,8 @@ class ndf {
 
   // Masking and shadowing: 0 for wi below the horizon; reflection for wo.z > 0, transmission for wo.z < 0.
   T G2(const vec3<T>& wi, const vec3<T>& wo) const {
-    const T lambda_i = Lambda(vec3<T>{wi.x, wi.y, abs(wi.z)}), lambda_o = Lambda(vec3<T>{wo.x, wo.y, abs(wo.z)});
+    const T lambda_i = Lambda(vec3<T>{wi.x, wi.y, abs(wi.z)}),
+            lambda_o = Lambda(vec3<T>{wo.x, wo.y, abs(wo.z)});
     return select(wi.z > T(0), G2_correlated(lambda_i, lambda_o, wo.z < T(0)), T(0));
   }
   T G2_uncorrelated(const vec3<T>& wi, const vec3<T>& wo) const {
@@ -64,12 +73,12 @@ class ndf {
   }
 
  private:
-  // slope2 is homogeneous of degree two: of m it is the squared standard slope times z^2. Below the horizon that
-  // means nothing, but a nan stays one.
+  // Slopes are homogeneous in the normal. Below the horizon D means nothing, but a nan stays one.
   template <class Direction>
   T density(const Direction& m) const {
-    const T value = family_.D(m.z, shape_.slope2(m)) * shape_.inverse_area();
-    return select(m.z > T(0), value, T(T(0) * (m.z + shape_.inverse_area()) + family_.nothing()));
+    const T value = family_.D(T(m.z * shape_.unit()), shape_.unit_slope2(m)) * shape_.unit_density();
+    const T nothing = T(0) * shape_.unit_density() + family_.nothing();
+    return select(m.z > T(0), value, multiply_add(m.z, nothing, nothing));
   }
 
   Family family_;

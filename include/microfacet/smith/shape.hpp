@@ -33,12 +33,12 @@ struct cosine {
   twofold<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
   T z;
 
-  explicit cosine(const T& u) : sine2(one_minus(exact_product(u, u))), z(where(sine2.high + sine2.low >= T(0), u)) {}
+  explicit cosine(const T& u) : sine2(one_minus(exact_product(u, u))), z(where(sine2.high >= T(0), u)) {}
 
  private:
   static twofold<T> one_minus(const twofold<T>& a) {
     const twofold<T> rest = exact_sum_of_ordered(T(1), T(-a.high));
-    return {rest.high, rest.low - a.low};
+    return exact_sum_of_ordered(rest.high, T(rest.low - a.low));
   }
 };
 
@@ -52,8 +52,15 @@ twofold<T> reciprocal(const twofold<T>& a) {
   return quotient(twofold<T>(T(1)), a);
 }
 
-// slope2: the squared standard slope of (p, q), or of a direction times the square of its z.
-// stretch2: the squared sine of the stretched direction. along_x: the roughness of slopes along x.
+// What both shapes offer, of slopes (p, q) and directions:
+//   slope2, length       the standard slope squared, and its length where the square would underflow
+//   unit, unit_slope2    a power of two whose fourth power is near the area, and the squared standard slope
+//   of
+//                        slopes or of a normal times (z unit)^2, exactly: D at unit z over- and underflows
+//                        where the surface's density does
+//   unit_density         what times D(unit z, unit_slope2) gives that density
+//   stretch2             the squared sine of the stretched direction
+//   along_x, standard    the roughness of slopes along x, and slopes over it
 template <class T>
 class isotropic_shape {
  public:
@@ -61,13 +68,19 @@ class isotropic_shape {
       : alpha_(valid_alpha(alpha)),
         alpha2_(square(alpha_)),
         inverse_(reciprocal(alpha_)),
-        inverse2_(reciprocal(alpha2_)) {}
+        inverse2_(reciprocal(alpha2_)),
+        unit_(elementary::power_of_two(T(sqrt(alpha_.high)))),
+        unit2_(square(unit_) * inverse2_) {}
 
-  T inverse_area() const { return inverse2_.high; }  // of the image of a unit square of standard slopes
+  T unit() const { return unit_; }
+  T unit_density() const { return square(unit_) * unit2_.high; }
+  twofold<T> unit_slope2(const T& p, const T& q) const { return squared_length(p, q) * unit2_; }
+  twofold<T> unit_slope2(const vec3<T>& m) const { return squared_length(m.x, m.y) * unit2_; }
+  twofold<T> unit_slope2(const cosine<T>& m) const { return m.sine2 * unit2_; }
   twofold<T> slope2(const T& p, const T& q) const { return squared_length(p, q) * inverse2_; }
-  twofold<T> slope2(const vec3<T>& m) const { return slope2(m.x, m.y); }
-  twofold<T> slope2(const cosine<T>& m) const { return m.sine2 * inverse2_; }
-  T length(const T& p, const T& q) const { return microfacet::length(T(p / alpha_.high), T(q / alpha_.high)); }
+  T length(const T& p, const T& q) const {
+    return microfacet::length(T(p / alpha_.high), T(q / alpha_.high));
+  }
   twofold<T> stretch2(const vec3<T>& w) const { return squared_length(w.x, w.y) * alpha2_; }
   twofold<T> stretch2(const cosine<T>& w) const { return w.sine2 * alpha2_; }
   T along_x() const { return alpha_.high; }
@@ -77,6 +90,8 @@ class isotropic_shape {
 
  private:
   twofold<T> alpha_, alpha2_, inverse_, inverse2_;
+  T unit_;
+  twofold<T> unit2_;  // times the inverse square
 };
 
 template <class T>
@@ -89,15 +104,16 @@ class anisotropic_shape {
         s_(sine),
         x2_(square(alpha_x_)),
         y2_(square(alpha_y_)),
-        inverse_x2_(reciprocal(x2_)),
-        inverse_y2_(reciprocal(y2_)),
+        unit_(elementary::power_of_two(T(sqrt(sqrt(alpha_x_.high * alpha_y_.high))))),
+        unit_x2_(square(unit_) * reciprocal(x2_)),
+        unit_y2_(square(unit_) * reciprocal(y2_)),
         along_x_(sqrt(x2_ * exact_product(c_, c_) + y2_ * exact_product(s_, s_))),
-        inverse_(reciprocal(along_x_)),
-        inverse_area_(T(1) / (alpha_x_.high * alpha_y_.high)) {}
+        inverse_(reciprocal(along_x_)) {}
 
-  T inverse_area() const { return inverse_area_; }
-  twofold<T> slope2(const T& p, const T& q) const { return weighed(p, q, inverse_x2_, inverse_y2_); }
-  twofold<T> slope2(const vec3<T>& m) const { return slope2(m.x, m.y); }
+  T unit() const { return unit_; }
+  T unit_density() const { return square(unit_) / alpha_x_.high * (square(unit_) / alpha_y_.high); }
+  twofold<T> unit_slope2(const T& p, const T& q) const { return weighed(p, q, unit_x2_, unit_y2_); }
+  twofold<T> unit_slope2(const vec3<T>& m) const { return unit_slope2(m.x, m.y); }
   T length(const T& p, const T& q) const {
     return microfacet::length(T((c_ * p + s_ * q) / alpha_x_.high), T((c_ * q - s_ * p) / alpha_y_.high));
   }
@@ -124,8 +140,9 @@ class anisotropic_shape {
 
   twofold<T> alpha_x_, alpha_y_;
   T c_, s_;
-  twofold<T> x2_, y2_, inverse_x2_, inverse_y2_, along_x_, inverse_;
-  T inverse_area_;
+  twofold<T> x2_, y2_;
+  T unit_;
+  twofold<T> unit_x2_, unit_y2_, along_x_, inverse_;
 };
 
 }  // namespace microfacet

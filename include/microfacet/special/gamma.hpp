@@ -6,6 +6,7 @@
 #include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/special/coefficients.hpp"
+#include "microfacet/special/student_coefficients.hpp"
 
 namespace microfacet {
 
@@ -19,27 +20,25 @@ struct reciprocal_gamma {
         odd(polynomial(coefficients::reciprocal_gamma_odd, T(mu * mu))) {}
 };
 
-// Gamma(k + 1/2)/(Gamma(k) sqrt(k)), which tends to 1 for large k; k > 0.
-// Shifted up by n, where the expansion in 1/(k - 1/4)^2 (Tricomi and Erdelyi 1951) holds to rounding.
+// Gamma(k + 1/2)/(Gamma(k) sqrt(k)), which tends to 1 for large k: of 1/k where k >= half_step_shift, and of any
+// k > 0 from k + half_step_shift down the recurrence.
+inline constexpr int half_step_shift = 10;
+
+template <class T>
+T half_step_of_large(const T& inverse_k) {
+  return polynomial(by_precision<T>(coefficients::gamma_half_step_32, coefficients::gamma_half_step_64), inverse_k);
+}
+
 template <class T>
 T gamma_half_step(const T& k) {
-  constexpr int shift = 12;
-  constexpr std::array<double, 7> series{1.0,
-                                         1.0 / 64,
-                                         -19.0 / 8192,
-                                         631.0 / 524288,
-                                         -174317.0 / 134217728,
-                                         20491783.0 / 8589934592.0,
-                                         -7334801895.0 / 1099511627776.0};
-  T numerator(1), denominator(1);
-  for (int i = 0; i < shift; ++i) {
-    // (k + i)/(k + i + 1/2), with both products scaled so that they neither overflow nor underflow.
-    const T scale = T(1) / (k + T(shift));
-    numerator = numerator * ((k + T(i)) * scale);
-    denominator = denominator * ((k + T(i + 0.5)) * scale);
+  // The factors k + i and k + i + 1/2 over k + shift, so that no product over- or underflows.
+  const T inverse = T(1) / (k + T(half_step_shift)), first = k * inverse;
+  T numerator(1), denominator = (k + T(0.5)) * inverse;
+  for (int i = 1; i < half_step_shift; ++i) {
+    numerator = numerator * ((k + T(i)) * inverse);
+    denominator = denominator * ((k + T(i + 0.5)) * inverse);
   }
-  const T w = k + T(shift - 0.25);
-  return numerator / denominator * polynomial(series, T(T(1) / (w * w))) * sqrt(w / k);
+  return half_step_of_large(inverse) * numerator * sqrt(first) / denominator;
 }
 
 namespace detail {

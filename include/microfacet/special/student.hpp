@@ -1,63 +1,77 @@
-// Tails of Student's t-density A(t)^(-k - 1/2), A(t) = 1 + t^2/k, relative to the density itself.
+// Tails of Student's t-density N A^(-k - 1/2), A = 1 + y, y = t^2/k, in units of A^-k, without any branch.
 //
-// Both are ratios of incomplete Beta functions. For large t they are Gauss' continued fraction of
-// 2F1(a, 1; k + 1; -k/t^2), whose partial numerators are positive (DLMF 15.7.5); for small t the series of
-// the central part has only positive terms (DLMF 8.17.8). Neither ever subtracts two large numbers.
+// Both are Gauss' series in z = 1/A, all of whose terms are positive (DLMF 8.17.8):
+//
+//   A^k Pr(slope > t)      = Gamma(k + 1/2)/(2 sqrt(pi) Gamma(k + 1)) sqrt(1 - z) 2F1(1, k + 1/2; k + 1; z)
+//   A^k E[(slope - t)_+]   = Gamma(k + 1/2)/(4 sqrt(pi) Gamma(k + 1)) sqrt(k + t^2) 2F1(1, k - 1/2; k + 1; z)/
+//                            (k - 1/2)
+//
+// Ten terms lead from k to K = k + 10, where the rest is its limit for large K, a complementary error function
+// (uniformly in t: N. M. Temme, SIAM J. Math. Anal. 13, 1982), and a smooth correction in q = log(A) and 1/K
+// (tools/derive_student.py). The quotients of Gamma functions cancel against the denominators of the series.
 #pragma once
 
 #include "microfacet/core/math.hpp"
+#include "microfacet/special/bivariate.hpp"
+#include "microfacet/special/erf.hpp"
+#include "microfacet/special/gamma.hpp"
+#include "microfacet/special/student_coefficients.hpp"
 
 namespace microfacet::student {
 
-// 1/(1 + e1/(1 + e2/(1 + ...))) with e_{2n+1} = (a + n)(k + n) y/((k + 2n)(k + 2n + 1)) and
-// e_{2n} = n (k - a + n) y/((k + 2n - 1)(k + 2n)), y = k/t^2: 2F1(a, 1; k + 1; -y).
+// What the two tails share.
 template <class T>
-T tail_fraction(double a, const T& k, const T& t2) {
-  constexpr int most = 107;
-  const T y = k / t2, pairs = T(17) + T(90) / maximum(t2, T(1));  // as k -> inf, where most are needed
-  T rest(1);
-  for (int n = most; n >= 0; --n) {
-    const auto counts = T(n) <= pairs;
-    if (!any(counts)) continue;
-    const T k2 = k + T(2 * n);
-    T next = T(1) + T(a + n) * (k + T(n)) * y / (k2 * (k2 + T(1))) / rest;
-    if (n > 0) next = T(1) + T(n) * (k + T(n - a)) * y / ((k2 - T(1)) * k2) / next;
-    rest = select(counts, next, rest);
+struct arguments {
+  T k, z, w, q;          // w = 1 - z; beyond the bound of q only the ten terms count
+  T kappa, root, slope;  // 1/K, sqrt(q/K), sqrt(q K)
+
+  arguments(const T& k_, const T& y_argument, const T& q_argument) : k(k_) {
+    const T y = maximum(y_argument, smallest<T>());
+    z = T(1) / (T(1) + y), w = y * z;
+    q = minimum(maximum(q_argument, smallest<T>()), T(q_end));
+    kappa = T(1) / (k + T(half_step_shift)), root = sqrt(q * kappa), slope = root * (k + T(half_step_shift));
   }
-  return T(1) / rest;
-}
-
-// Where the tail's fraction takes over from the central series.
-template <class T>
-auto in_tail(const T& k, const T& t2) {
-  return t2 >= minimum(T(1), T(T(0.5) * k));
-}
-
-// int_t^inf A^(-k-1/2) dt / A(t)^(-k-1/2) for t in the tail.
-template <class T>
-T tail_over_density(const T& k, const T& t) {
-  return (k + t * t) / (T(2) * k * t) * tail_fraction(0.5, k, T(t * t));
-}
-
-// int_0^t A^(-k-1/2) dt / A(t)^(-k-1/2) = t 2F1(k + 1/2, 1; 3/2; t^2/(k + t^2)) for t in the centre.
-template <class T>
-T centre_over_density(const T& k, const T& t) {
-  const T w = t * t / (k + t * t);
-  T term = t, sum = t;
-  for (int n = 0; n < 90; ++n) {
-    term = term * (w * ((k + T(n + 0.5)) / T(n + 1.5)));
-    const T next = sum + term;
-    if (!any(next != sum)) break;
-    sum = next;
+  template <class Table>
+  T smooth(const Table& table) const {
+    return polynomial(table, T(q - T(0.5 * q_end)), kappa);
   }
-  return sum;
+
+ private:
+  static constexpr double q_end = by_precision<T>(2.0F, 3.75);
+};
+
+// From `rest` at K down the ten terms, b_j = (k + order + j)/K; `unit` stands for 1, `product` times the b_j
+// for the Gamma functions.
+template <class T>
+T series(const arguments<T>& a, double order, T unit, T rest, T product) {
+  for (int j = half_step_shift - 1; j >= 0; --j) {
+    const T b = (a.k + T(order + j)) * a.kappa;
+    unit = unit * ((a.k + T(j + 1)) * a.kappa);
+    rest = multiply_add(T(a.z * b), rest, unit);
+    product = product * b;
+  }
+  return rest / product;
 }
 
-// int_t^inf (y - t) A(y)^(-k-1/2) dy / A(t)^(-k-1/2) for t in the tail; k > 1/2.
+// Pr(slope > t) A^k for k > 0, given y and q = log(1 + y).
 template <class T>
-T excess_over_density(const T& k, const T& t) {
-  const T t2 = t * t;
-  return square(T((k + t2) / t)) / (T(4) * k * (k - T(0.5))) * tail_fraction(1.5, k, t2);
+T tail(const T& k, const T& y, const T& q) {
+  using namespace coefficients;
+  const arguments<T> a(k, y, q);
+  const T unit = sqrt(a.w * a.kappa) * half_step_of_large(a.kappa) * T(0.5 / sqrt_pi);
+  const T correction = a.root * a.smooth(by_precision<T>(student_tail_32, student_tail_64));
+  return series(a, 0.5, unit, T(T(0.5) * erfc_scaled(a.slope) + correction), T(1));
+}
+
+// E[(slope - t)_+] A^k for k > 1/2.
+template <class T>
+T excess(const T& k, const T& y, const T& q) {
+  using namespace coefficients;
+  const arguments<T> a(k, y, q);
+  const T unit = a.kappa * half_step_of_large(a.kappa) * T(0.25 / sqrt_pi);
+  const T correction = a.kappa * a.smooth(by_precision<T>(student_excess_32, student_excess_64));
+  const T last = T(1) - T(0.5) * a.kappa, leading = last * sqrt(a.w / a.q) * ierfc_scaled(a.slope);
+  return sqrt(k * (T(1) + y) * a.kappa) * series(a, -0.5, unit, T(T(0.5) * leading + correction), last);
 }
 
 }  // namespace microfacet::student

@@ -13,10 +13,13 @@ from importlib.util import find_spec
 
 from microfacet._core.processor import instruction_sets
 
-__all__ = ["isa"]
+__all__ = ["available", "isa"]
+
+# Of those that the processor has; a compiler that lacks one leaves its module out.
+available = tuple(name for name in instruction_sets() if find_spec(f"{__name__}.{name}"))
 
 
-def _chosen(available: tuple[str, ...]) -> str:
+def _chosen() -> str:
     forced = os.environ.get("MICROFACET_ISA")
     if forced is None:
         return available[-1]
@@ -25,8 +28,7 @@ def _chosen(available: tuple[str, ...]) -> str:
     return forced
 
 
-# A compiler that lacks an instruction set leaves its module out.
-isa = _chosen(tuple(name for name in instruction_sets() if find_spec(f"{__name__}.{name}")))
+isa = _chosen()
 _kernels = import_module(f"{__name__}.{isa}")
 families = _kernels.families
 exp = _kernels.exp

@@ -2,6 +2,8 @@
 
 from types import ModuleType
 
+import numpy as np
+
 beckmann: ModuleType
 ggx: ModuleType
 gtr: ModuleType
@@ -9,3 +11,7 @@ student_t: ModuleType
 k0: ModuleType
 bessel_k: ModuleType
 families: tuple[str, ...]
+
+isa: str  # the build in use
+available: tuple[str, ...]  # the builds that this processor runs, the best one last
+exp: np.ufunc  # through the same loops as the kernels, which are measured against it

@@ -1,0 +1,95 @@
+// What the parameters of a ufunc mean: lanes of parameters -> distributions.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include "lanes.hpp"
+#include "microfacet/smith/ndf.hpp"
+#include "prepared_cache.hpp"
+
+namespace microfacet::bindings {
+
+// A model says what the parameters of a ufunc are: `scales` roughnesses (alpha, or alpha_x and alpha_y),
+// perhaps a rotation, then the family's own. The density's parameters start at `first`: behind the shape, or
+// with alpha for a family that is no stretch of one density.
+template <class Tag>
+struct isotropic_model {
+  using tag = Tag;
+  using family = typename Tag::template type<double>;
+  static constexpr std::size_t first = family::shape_invariant ? 1 : 0, scales = 1;
+  static constexpr std::size_t count = 1 + family::parameters.size();
+
+  template <class Lanes>
+  static isotropic_shape<Lanes> shape(const twofold<Lanes>* p) {
+    return isotropic_shape<Lanes>(family::shape_invariant ? p[0] : twofold<Lanes>(Lanes(1)));
+  }
+};
+
+template <class Tag>
+struct stretched_model {
+  using tag = Tag;
+  using family = typename Tag::template type<double>;
+  static constexpr std::size_t first = 3, scales = 2;
+  static constexpr std::size_t count = 3 + family::parameters.size();
+
+  template <class Lanes>
+  static anisotropic_shape<Lanes> shape(const twofold<Lanes>* p) {
+    return anisotropic_shape<Lanes>(p[0], p[1], each_lane(p[2], [](double x) { return std::cos(x); }),
+                                    each_lane(p[2], [](double x) { return std::sin(x); }));
+  }
+
+ private:
+  template <class Lanes, class Function>
+  static Lanes each_lane(const twofold<Lanes>& x, const Function& function) {
+    using real = typename scalar_traits<Lanes>::real;
+    std::array<real, sizeof(Lanes) / sizeof(real)> high, low;
+    std::memcpy(high.data(), &x.high, sizeof x.high);
+    std::memcpy(low.data(), &x.low, sizeof x.low);
+    for (std::size_t i = 0; i < high.size(); ++i)
+      high[i] = static_cast<real>(function(static_cast<double>(high[i]) + static_cast<double>(low[i])));
+    Lanes result;
+    std::memcpy(&result, high.data(), sizeof result);
+    return result;
+  }
+};
+
+template <class Model, class Lanes>
+auto make_family(const twofold<Lanes>* p) {
+  return [p]<std::size_t... I>(std::index_sequence<I...>) {
+    return typename Model::tag::template type<Lanes>(p[Model::first + I].high...);
+  }(std::make_index_sequence<Model::count - Model::first>());
+}
+template <class Family, class Shape, class Lanes>
+ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& shape, const twofold<Lanes>*) {
+  return {family, shape};
+}
+
+// The tables of a density, for as long as someone uses them; none where the parameters lie outside the domain
+// or the tables miss the accuracy contract.
+template <class Model, class Real>
+std::shared_ptr<const radial_tables<Real>> prepared_tables(const double* parameters, unsigned functions) {
+  using family = typename Model::family;
+  constexpr std::size_t count = Model::count - Model::first, own = family::parameters.size();
+  static prepared_cache<Real, count> cache;
+  std::array<double, count> key;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool scale = i + own < count;
+    const parameter domain = scale ? parameter{"alpha", 0, inf, 0} : family::parameters[i + own - count];
+    key[i] = parameters[Model::first + i];
+    const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
+    if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;
+  }
+  return cache.get(key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
+    const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
+      tables.build(typename Model::tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
+    };
+    build(std::make_index_sequence<count>());
+  });
+}
+
+}  // namespace microfacet::bindings

@@ -1,0 +1,110 @@
+// Floating-point numbers as bits, of a float, a double or the lanes of a pack of either.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <type_traits>
+
+#include "microfacet/core/elementary_coefficients.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/pack.hpp"
+
+namespace microfacet {
+
+namespace elementary {
+
+template <class R>
+inline constexpr bool has_lanes = std::is_floating_point_v<R>;
+
+template <class R>
+struct integers_of {
+  using type = integer_of<R>;
+};
+
+template <std::floating_point T>
+integer_of<T> bits(T x) {
+  return std::bit_cast<integer_of<T>>(x);
+}
+template <std::floating_point T>
+T from_bits(integer_of<T> i, T) {
+  return std::bit_cast<T>(i);
+}
+
+// Bits of numbers without a meaning here (negative ones in log, say) may leave the range of a signed integer.
+template <class I>
+MICROFACET_INLINE I wrapping_sum(const I& a, const I& b) {
+  if constexpr (std::is_integral_v<I>) {
+    using bits = std::make_unsigned_t<I>;
+    return static_cast<I>(static_cast<bits>(a) + static_cast<bits>(b));
+  } else {
+    return a + b;
+  }
+}
+template <class I>
+MICROFACET_INLINE I wrapping_difference(const I& a, const I& b) {
+  if constexpr (std::is_integral_v<I>) {
+    using bits = std::make_unsigned_t<I>;
+    return static_cast<I>(static_cast<bits>(a) - static_cast<bits>(b));
+  } else {
+    return a - b;
+  }
+}
+
+#if MICROFACET_VECTOR_EXTENSIONS
+template <class T, std::size_t B, int K>
+inline constexpr bool has_lanes<pack<T, B, K>> = std::is_floating_point_v<T>;
+template <class T, std::size_t B, int K>
+struct integers_of<pack<T, B, K>> {
+  using type = typename pack<T, B, K>::integers;
+};
+#endif
+
+// The numbers that depend on the format of a lane.
+template <class Real>
+struct format_of_lane;
+template <>
+struct format_of_lane<float> {
+  static constexpr int mantissa = 23;
+  static constexpr std::int32_t half = 0x3f000000, sqrt_half = 0x3f3504f3;
+  static constexpr std::int32_t magnitude = 0x7fffffff, exponent = 0x7f800000,
+                                half_of_lower = 0x800;  // of 12 bits
+  static constexpr float round = 0x1.8p23f;  // adding it rounds to an integer, which the low bits then hold
+  static constexpr float ln2_high = 0x1.63p-1f, ln2_low = -0x1.bd0106p-13f;  // n ln2_high is exact
+  static constexpr float least = -86.6f, most = 88.722839f;                  // arguments of exp
+  static constexpr auto& exp = coefficients::exp_32;
+  static constexpr auto& log = coefficients::log_32;
+  static constexpr auto& sin = coefficients::sin_32;
+  static constexpr auto& cos = coefficients::cos_32;
+};
+template <>
+struct format_of_lane<double> {
+  static constexpr int mantissa = 52;
+  static constexpr std::int64_t half = 0x3fe0000000000000, sqrt_half = 0x3fe6a09e667f3bcd;
+  static constexpr std::int64_t magnitude = 0x7fffffffffffffff, exponent = 0x7ff0000000000000;
+  static constexpr std::int64_t half_of_lower = 0x4000000;  // of 27 bits
+  static constexpr double round = 0x1.8p52;
+  static constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
+  static constexpr double least = -707.7, most = 709.78271289338397;
+  static constexpr auto& exp = coefficients::exp_64;
+  static constexpr auto& log = coefficients::log_64;
+  static constexpr auto& sin = coefficients::sin_64;
+  static constexpr auto& cos = coefficients::cos_64;
+};
+template <class R>
+using format = format_of_lane<typename scalar_traits<R>::real>;
+template <class R>
+using integers = typename integers_of<R>::type;
+
+// The power of two at or below a positive x, by which a multiplication is exact; 1 for a scalar without bits.
+template <class R>
+R power_of_two(const R& x) {
+  if constexpr (has_lanes<R>) {
+    return from_bits(integers<R>(bits(x) & integers<R>(format<R>::exponent)), x);
+  } else {
+    return R(1);
+  }
+}
+
+}  // namespace elementary
+}  // namespace microfacet

@@ -1,0 +1,242 @@
+"""What every distribution computes, as methods on directions and slopes.
+
+Nothing is computed here: every method calls a ufunc of the compiled core with the parameters as its last
+arguments. Directions are arrays (..., 3) in the local frame (n = +z, away from the surface), or their
+components as three arrays. They broadcast against each other, nothing is copied, float32 in is float32 out.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Quantities"]
+
+
+def _components(owner: str, names: tuple[str, ...], arguments: tuple[ArrayLike | None, ...]) -> list[Any]:
+    """The x, y, z of every direction: views of arrays (..., 3), or three separate arrays for each."""
+    given = [argument for argument in arguments if argument is not None]
+    if len(given) == 3 * len(names):
+        return given
+    if len(given) != len(names):
+        raise TypeError(
+            f"{owner}: give {' and '.join(names)} as arrays (..., 3), or x, y and z of each; "
+            f"got {len(given)} arguments"
+        )
+    parts: list[Any] = []
+    for name, argument in zip(names, given, strict=True):
+        array = np.asanyarray(argument)
+        if array.ndim == 0 or array.shape[-1] != 3:
+            raise ValueError(f"{owner}: {name} must have shape (..., 3), got {array.shape}")
+        parts += (array[..., 0], array[..., 1], array[..., 2])
+    return parts
+
+
+class Quantities:
+    """The quantities of a distribution of normals; a subclass says which kernels compute them."""
+
+    __slots__ = ()
+
+    def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
+        """The ufunc of a quantity of directions or slopes, and the parameters that it takes last."""
+        raise NotImplementedError
+
+    def _of_slopes(self, quantity: str, slopes: tuple[ArrayLike, ...], out: Any, where: Any) -> Any:
+        kernel, parameters = self._kernel(quantity)
+        return kernel(*slopes, *parameters, out=out, where=where)
+
+    def _of_directions(
+        self, quantity: str, names: tuple[str, ...], given: tuple[ArrayLike | None, ...], out: Any, where: Any
+    ) -> Any:
+        kernel, parameters = self._kernel(quantity)
+        parts = _components(f"{type(self).__name__}.{quantity}", names, given)
+        return kernel(*parts, *parameters, out=out, where=where)
+
+    def D(
+        self,
+        m: ArrayLike,
+        y: ArrayLike | None = None,
+        z: ArrayLike | None = None,
+        *,
+        out: Any = None,
+        where: Any = True,
+    ) -> Any:
+        """Density of microfacet normals at `m`, per steradian.
+
+        Parameters
+        ----------
+        m : array_like, shape (..., 3)
+            Normals in the local frame, of any length.
+        y, z : array_like, optional
+            Given both, `m` is the x component alone: three arrays that broadcast. Every function of
+            directions takes them so, without copies.
+        out, where
+            As of any `numpy.ufunc`; every function of directions or slopes takes them.
+
+        Returns
+        -------
+        ndarray or scalar, shape (...)
+            P22 of the slopes (-x/z, -y/z) over cos(theta)^4; 0 for z <= 0, nan for nan.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> round(float(mf.GGX(alpha=0.5).D([0, 0, 1])), 6)  # 1/(pi alpha^2)
+        1.27324
+        >>> round(float(mf.GGX(alpha=0.5).D(0, 0, 1)), 6)  # the same from components
+        1.27324
+        """
+        return self._of_directions("D", ("m",), (m, y, z), out, where)
+
+    def P22(self, p: ArrayLike, q: ArrayLike, *, out: Any = None, where: Any = True) -> Any:
+        """Joint density of the slopes `p` (along x) and `q` (along y); integrates to 1 over the plane."""
+        return self._of_slopes("P22", (p, q), out, where)
+
+    def P2(self, p: ArrayLike, *, out: Any = None, where: Any = True) -> Any:
+        """Density of the slope `p` along x; integrates to 1 over the line."""
+        return self._of_slopes("P2", (p,), out, where)
+
+    def slope_cdf(self, p: ArrayLike, *, out: Any = None, where: Any = True) -> Any:
+        """Probability that the slope along x is at most `p`, accurate in the lower tail."""
+        return self._of_slopes("slope_cdf", (p,), out, where)
+
+    def sigma(
+        self,
+        w: ArrayLike,
+        y: ArrayLike | None = None,
+        z: ArrayLike | None = None,
+        *,
+        out: Any = None,
+        where: Any = True,
+    ) -> Any:
+        """Projected area of the microfacets towards `w`, per unit area of surface.
+
+        Parameters
+        ----------
+        w : array_like, shape (..., 3)
+            Unit directions on the whole sphere. sigma is homogeneous of degree one, so that a `w` of length 2
+            doubles the result.
+        y, z, out, where
+            As for `D`.
+
+        Returns
+        -------
+        ndarray or scalar, shape (...)
+            int D(m) max(0, w . m) dm: 1 along +z, 0 along -z.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> mf.Beckmann(alpha=0.5).sigma([[0, 0, 1], [0, 0, -1]])
+        array([1., 0.])
+        """
+        return self._of_directions("sigma", ("w",), (w, y, z), out, where)
+
+    def Lambda(
+        self,
+        w: ArrayLike,
+        y: ArrayLike | None = None,
+        z: ArrayLike | None = None,
+        *,
+        out: Any = None,
+        where: Any = True,
+    ) -> Any:
+        """Smith's Lambda towards `w` (..., 3): sigma(w) = w.z (1 + Lambda(w)); inf at w.z = 0."""
+        return self._of_directions("Lambda", ("w",), (w, y, z), out, where)
+
+    def G1(
+        self,
+        w: ArrayLike,
+        y: ArrayLike | None = None,
+        z: ArrayLike | None = None,
+        *,
+        out: Any = None,
+        where: Any = True,
+    ) -> Any:
+        """Smith's masking towards `w` (..., 3): w.z/sigma(w) for w.z > 0, else 0."""
+        return self._of_directions("G1", ("w",), (w, y, z), out, where)
+
+    def G2(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        *components: ArrayLike,
+        correlated: bool = True,
+        out: Any = None,
+        where: Any = True,
+    ) -> Any:
+        """Masking and shadowing of the pair `wi`, `wo`.
+
+        Parameters
+        ----------
+        wi, wo : array_like, shape (..., 3)
+            Directions pointing away from the surface; or six arrays, x, y and z of `wi`, then of `wo`.
+        correlated : bool
+            Whether masking and shadowing share the height of the facet (Heitz 2014); otherwise the product
+            G1(wi) G1(wo), each on its own side.
+        out, where
+            As for `D`.
+
+        Returns
+        -------
+        ndarray or scalar
+            0 for wi.z <= 0. Reflection (wo.z > 0): 1/(1 + Lambda(wi) + Lambda(wo)). Transmission (wo.z < 0):
+            the Beta function B(1 + Lambda(wi), 1 + Lambda(-wo)).
+        """
+        quantity = "G2" if correlated else "G2_uncorrelated"
+        return self._of_directions(quantity, ("wi", "wo"), (wi, wo, *components), out, where)
+
+    def D_visible(
+        self, m: ArrayLike, w: ArrayLike, *components: ArrayLike, out: Any = None, where: Any = True
+    ) -> Any:
+        """Density per steradian of the normals `m` seen from `w`: max(0, w . m) D(m)/sigma(w).
+
+        Instead of two arrays (..., 3) it takes six: x, y and z of `m`, then of `w`.
+        """
+        return self._of_directions("D_visible", ("m", "w"), (m, w, *components), out, where)
+
+    def pdf(
+        self,
+        m: ArrayLike,
+        y: ArrayLike | None = None,
+        z: ArrayLike | None = None,
+        *,
+        out: Any = None,
+        where: Any = True,
+    ) -> Any:
+        """Density per steradian of the normals that `sample` draws: D(m) cos(theta)."""
+        return self._of_directions("pdf", ("m",), (m, y, z), out, where)
+
+    def sample(self, xi: ArrayLike, *, out: NDArray[Any] | None = None) -> Any:
+        """Normals drawn from D cos(theta), by inversion.
+
+        Parameters
+        ----------
+        xi : array_like, shape (..., 2)
+            Uniform random numbers in [0, 1): the first gives the slope (0 the macroscopic normal), the second
+            times 2 pi the azimuth of the normal before the stretch. The caller owns the generator.
+        out : ndarray, shape (..., 3), optional
+            Where to write the normals.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Unit normals; nan where `xi` lies outside [0, 1).
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(abs(mf.StudentT(alpha=0.3, gamma=2.5).sample([0.0, 0.25])))
+        [0. 0. 1.]
+        """
+        xi = np.asanyarray(xi)
+        if xi.ndim == 0 or xi.shape[-1] != 2:
+            raise ValueError(f"{type(self).__name__}.sample: xi must have shape (..., 2), got {xi.shape}")
+        if out is None:
+            dtype = np.float32 if np.can_cast(xi.dtype, np.float32) else np.float64
+            out = np.empty((*xi.shape[:-1], 3), dtype)
+        kernel, parameters = self._kernel("sample")
+        kernel(xi[..., 0], xi[..., 1], *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
+        return out

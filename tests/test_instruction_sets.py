@@ -1,0 +1,261 @@
+"""One source, several builds: the same bits wherever a * b + c is rounded once, whatever array a number stands in.
+
+A build that the processor cannot run is not tested.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import microfacet as mf
+from accuracy_points import CONTRACTS, QUANTITIES, points
+from builds import BUILDS, FUSED, arguments, bits, ufuncs
+from microfacet import _core
+
+Array = NDArray[Any]
+
+each_family = pytest.mark.parametrize("family", mf.families(), ids=lambda family: family.name)
+each_dtype = pytest.mark.parametrize("dtype", [np.float32, np.float64])
+each_build = pytest.mark.parametrize("build", BUILDS)
+
+
+def kernels(family: Any, build: str) -> dict[str, np.ufunc]:
+    return ufuncs(getattr(BUILDS[build], family.name))
+
+
+def evaluate(f: np.ufunc, columns: Any, **options: Any) -> Array:
+    """All outputs of a ufunc as one array."""
+    return np.stack(np.atleast_1d(f(*columns, **options)) if f.nout == 1 else f(*columns, **options))
+
+
+def assert_same_bits(got: Array, expected: Array, message: str) -> None:
+    different = np.flatnonzero(bits(got) != bits(expected))
+    assert not different.size, (
+        f"{message}: {different.size} of {got.size} differ, the first is "
+        f"{got.ravel()[different[0]]!r} and was {expected.ravel()[different[0]]!r}"
+    )
+
+
+# Among builds
+
+
+@each_family
+@each_dtype
+@pytest.mark.parametrize("constant", [False, True], ids=["varied", "constant"])
+@pytest.mark.skipif(len(FUSED) < 2, reason="the processor has one instruction set with fused operations")
+def test_fused_builds_give_the_same_bits(family: Any, dtype: type, constant: bool) -> None:
+    first, *others = FUSED
+    for name, f in kernels(family, first).items():
+        columns = arguments(family, name, f, 3000 if constant else 500, dtype, constant)
+        expected = evaluate(f, columns)
+        for build in others:
+            got = evaluate(kernels(family, build)[name], columns)
+            assert_same_bits(got, expected, f"{name} of {build} and {first}")
+
+
+@each_family
+@each_dtype
+def test_the_baseline_is_within_the_contract_of_the_best(family: Any, dtype: type) -> None:
+    """The best build is measured against arbitrary precision (test_accuracy.py)."""
+    best, contract = list(BUILDS)[-1], CONTRACTS[np.dtype(dtype).name]
+    for name in QUANTITIES:
+        columns = [np.array(c, dtype) for c in zip(*points(family.name, name, 400), strict=True)]
+        got = kernels(family, "baseline")[name](*columns).astype(np.float64)
+        expected = kernels(family, best)[name](*columns).astype(np.float64)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            size = np.abs(expected)
+            central = np.abs(np.log(size)) < contract.central
+            error = np.abs(got - expected) / (1.0 if name == "sample_u" else size)
+        allowed = np.where(central, contract.tolerance, contract.tail_tolerance)
+        flushed = (size < contract.smallest) & (np.abs(got) < 1.01 * contract.smallest)
+        wrong = ~((error <= allowed) | flushed | (bits(got) == bits(expected)))
+        assert not wrong.any(), (name, [c[wrong][:3] for c in columns], got[wrong][:3], expected[wrong][:3])
+
+
+# Among neighbours, lengths and layouts
+
+
+@each_family
+@each_dtype
+@each_build
+def test_a_number_gives_the_same_bits_among_any_others(family: Any, dtype: type, build: str) -> None:
+    n = 140
+    order = np.random.default_rng(2).permutation(n)
+    for name, f in kernels(family, build).items():
+        columns = arguments(family, name, f, n, dtype)
+        alone = np.stack([evaluate(f, row).reshape(f.nout) for row in zip(*columns, strict=True)], axis=-1)
+        assert_same_bits(evaluate(f, columns).reshape(alone.shape), alone, f"{name}: an array and its numbers")
+        shuffled = evaluate(f, [c[order] for c in columns]).reshape(alone.shape)
+        assert_same_bits(shuffled, alone[:, order], f"{name}: in another order")
+        for i in (3, 77):
+            crowd = [np.full(37, c[i]) for c in columns]
+            expected = np.repeat(alone[:, i : i + 1], 37, axis=1)
+            assert_same_bits(evaluate(f, crowd).reshape(expected.shape), expected, f"{name}: among equals")
+
+
+def unaligned(x: Array) -> Array:
+    view = np.zeros(x.nbytes + 1, np.uint8)[1:].view(x.dtype).reshape(x.shape)
+    view[...] = x
+    return view
+
+
+LAYOUTS: dict[str, Callable[[Array], Array]] = {
+    "every second": lambda x: np.repeat(x, 2)[::2],
+    "every third": lambda x: np.repeat(x, 3)[::3],
+    "reversed": lambda x: x[::-1].copy()[::-1],
+    "every second, reversed": lambda x: np.repeat(x[::-1], 2)[::-2],
+    "unaligned": unaligned,
+    "byte-swapped": lambda x: x.astype(x.dtype.newbyteorder()),
+    "transposed": lambda x: np.stack([x, x]).T.copy().T[1],
+}
+
+
+def calls(f: np.ufunc, columns: list[Array]) -> Iterator[tuple[str, Array, slice]]:
+    """What, the result, and of which elements: a ufunc called in all the ways in which memory may lie."""
+    n = len(columns[0])
+    for length in range(71):
+        yield f"length {length}", evaluate(f, [c[:length] for c in columns]), slice(length)
+    for start in range(1, 20):
+        yield f"from {start} on", evaluate(f, [c[start:] for c in columns]), slice(start, n)
+    for label, layout in LAYOUTS.items():
+        yield label, evaluate(f, [layout(c) for c in columns]), slice(n)
+        yield f"first column {label}", evaluate(f, [layout(columns[0]), *columns[1:]]), slice(n)
+    table = evaluate(f, [c.reshape(-1, 7).T for c in columns])
+    yield "a transposed table", table.reshape(f.nout, 7, -1).transpose(0, 2, 1), slice(n)
+
+
+@each_family
+@each_dtype
+def test_layouts_and_lengths(family: Any, dtype: type) -> None:
+    n = 140
+    for name, f in kernels(family, _core.isa).items():
+        columns = arguments(family, name, f, n, dtype)
+        expected = evaluate(f, columns).reshape(f.nout, n)
+        for what, got, part in calls(f, columns):
+            assert_same_bits(got.ravel(), expected[:, part].ravel(), f"{name}, {what}")
+
+
+@each_family
+@each_dtype
+def test_targets(family: Any, dtype: type) -> None:
+    """out=, in place, where=, strided and unaligned targets."""
+    n = 140
+    chosen = np.random.default_rng(3).random(n) < 0.6
+    for name, f in kernels(family, _core.isa).items():
+        columns = arguments(family, name, f, n, dtype)
+        expected = evaluate(f, columns).reshape(f.nout, n)
+        for stride in (1, 2, 3, -1):
+            out = np.full((f.nout, 3 * n), -7, dtype)
+            f(*columns, out=tuple(row[::stride][:n] for row in out))
+            assert_same_bits(out[:, ::stride][:, :n], expected, f"{name}: out with stride {stride}")
+            assert (out != -7).sum() <= expected.size
+        ragged = tuple(unaligned(np.empty(n, dtype)) for _ in range(f.nout))
+        f(*columns, out=ragged)
+        assert_same_bits(np.stack(ragged), expected, f"{name}: unaligned out")
+        partial = tuple(np.full(n, -7, dtype) for _ in range(f.nout))
+        f(*columns, out=partial, where=chosen)
+        assert_same_bits(np.stack(partial), np.where(chosen, expected, dtype(-7)), f"{name}: where")
+        if f.nout == 1:
+            place = columns[0].copy()
+            f(place, *columns[1:], out=place)
+            assert_same_bits(place, expected[0], f"{name}: in place")
+
+
+@each_family
+@each_dtype
+def test_constant_parameters(family: Any, dtype: type) -> None:
+    """Scalars, broadcast arrays and full columns of parameters are the same numbers."""
+    n = 140
+    for name, f in kernels(family, _core.isa).items():
+        columns = arguments(family, name, f, n, dtype, constant=True)
+        expected = evaluate(f, columns)
+        broadcast = evaluate(f, [np.broadcast_to(c, n) for c in columns])
+        assert_same_bits(broadcast, expected, f"{name}: broadcast parameters")
+        # A constant float64 parameter of a float32 loop keeps digits that a column of it would lose.
+        if dtype == np.float64:
+            full = evaluate(f, [np.resize(c, n) for c in columns])
+            assert_same_bits(full, expected, f"{name}: a column of equal parameters")
+
+
+# Threads
+
+
+@each_family
+def test_threads_and_blocks_give_the_same_bits(family: Any) -> None:
+    for name, f in kernels(family, _core.isa).items():
+        columns = arguments(family, name, f, 4000)
+        expected = evaluate(f, columns)
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            for got in pool.map(lambda _: evaluate(f, columns), range(4)):  # noqa: B023
+                assert_same_bits(got, expected, f"{name} in a thread")
+            parts = pool.map(lambda part: evaluate(f, part), zip(*(np.array_split(c, 7) for c in columns)))  # noqa: B023, B905
+            assert_same_bits(np.concatenate(list(parts), axis=-1), expected, f"{name} in parts")
+
+
+@each_family
+def test_dask_arrays(family: Any) -> None:
+    """A ufunc applies to the blocks of a dask array, in its threads."""
+    da = pytest.importorskip("dask.array")
+    for name in QUANTITIES:
+        f = kernels(family, _core.isa)[name]
+        columns = arguments(family, name, f, 5000)
+        lazy = f(*(da.from_array(c, chunks=777) for c in columns))
+        assert isinstance(lazy, da.Array)
+        assert_same_bits(lazy.compute(scheduler="threads"), f(*columns), name)
+
+
+# The processor's state
+
+
+@each_build
+@each_dtype
+def test_the_mode_of_the_processor_is_restored(build: str, dtype: type) -> None:
+    """Loops flush subnormal numbers and mask exceptions; the caller sees neither."""
+    subnormal = np.finfo(dtype).smallest_subnormal
+    for family in mf.families():
+        for name, f in kernels(family, build).items():
+            columns = arguments(family, name, f, 200, dtype)
+            with np.errstate(all="raise"):
+                f(*columns)
+                assert np.float32(1e-40) * np.float32(1) > 0
+                assert np.array([subnormal])[0] * dtype(1) == subnormal
+                with pytest.raises(FloatingPointError):
+                    np.divide(dtype(1), dtype(0))
+
+
+# The choice
+
+
+def start(**environment: str) -> subprocess.CompletedProcess[str]:
+    program = "import microfacet, microfacet._core as c; print(c.isa, microfacet.ggx.D is getattr(c, 'ggx').D)"
+    return subprocess.run(
+        [sys.executable, "-c", program], env={**os.environ, **environment}, capture_output=True, text=True
+    )
+
+
+@each_build
+def test_the_environment_forces_a_build(build: str) -> None:
+    assert start(MICROFACET_ISA=build).stdout.split() == [build, "True"]
+
+
+def test_an_unknown_build_is_refused() -> None:
+    result = start(MICROFACET_ISA="avx3")
+    assert result.returncode == 1
+    known = ", ".join(BUILDS)
+    assert result.stderr.splitlines()[-1] == f"ImportError: MICROFACET_ISA must be one of {known} here, got 'avx3'"
+
+
+def test_the_best_build_is_the_default() -> None:
+    environment = {k: v for k, v in os.environ.items() if k != "MICROFACET_ISA"}
+    program = "import microfacet._core as c; print(c.isa)"
+    result = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+    assert result.stdout.strip() == list(BUILDS)[-1]

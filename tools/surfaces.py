@@ -1,0 +1,46 @@
+"""Polynomials of two variables: weighted least squares in arbitrary precision, and their C++ text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from flint import arb, arb_mat
+from mpmath import mpf
+from remez import Real, array
+
+Surface = Callable[[arb, arb], tuple[arb, arb]]  # the value at (x, y), and the weight of an error there
+Shape = tuple[int, ...]  # for each power of y, the number of powers of x
+Interval = tuple[arb, arb]
+
+
+def zeros(count: int, interval: Interval) -> list[arb]:
+    """Of Chebyshev's polynomial."""
+    middle, half = sum(interval) / 2, (interval[1] - interval[0]) / 2
+    return [(middle - half * (arb.pi() * (2 * i + 1) / (2 * count)).cos()).mid() for i in range(count)]
+
+
+def fitted(surface: Surface, x: Interval, y: Interval, shape: Shape) -> tuple[list[mpf], float]:
+    """Coefficients in powers of x less its middle and of y, row by row, and the largest weighted error.
+
+    The points are where products of Chebyshev's polynomials vanish.
+    """
+    middle = sum(x) / 2
+    matrix, right = [], []
+    for b in zeros(2 * len(shape) + 4, y):
+        for a in zeros(2 * max(shape) + 10, x):
+            value, weight = (v.mid() for v in surface(a, b))
+            terms = [b**j * (a - middle) ** i for j, count in enumerate(shape) for i in range(count)]
+            matrix.append([(weight * term).mid() for term in terms])
+            right.append([(weight * value).mid()])
+    m, r = arb_mat(matrix), arb_mat(right)
+    solution = (m.transpose() * m).solve(m.transpose() * r)
+    error = max(float(abs(e)) for e in (m * solution - r).entries())
+    return [mpf(c.mid().str(50, radius=False)) for c in solution.entries()], error
+
+
+def bivariate(name: str, comment: str, shape: Shape, values: Sequence[mpf], kind: Real) -> str:
+    """C++ text of a polynomial of special/bivariate.hpp."""
+    rows = ", ".join(map(str, shape))
+    text = array(name, comment, values, kind)
+    text = text.replace("std::array<", "bivariate<", 1).replace(f", {len(values)}>", f", {rows}>", 1)
+    return text.replace(f"{name}{{\n", f"{name}{{{{\n").replace("};\n", "}};\n")
