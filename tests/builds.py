@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from types import ModuleType
 from typing import Any
@@ -14,6 +15,8 @@ from microfacet import _core
 BUILDS: dict[str, ModuleType] = {name: import_module(f"microfacet._core.{name}") for name in _core.available}
 FUSED = [name for name in BUILDS if name != "baseline"]  # round a * b + c once
 
+FROZEN = ("isotropic_", "stretched_")  # prefixes of the ufuncs behind the frozen distributions
+LONG = 8192  # from this length on a ufunc with constant shape parameters prepares tables
 SPECIAL = (0.0, -0.0, 1.0, -1.0, 0.5, 1e-12, 1e6, np.inf, -np.inf, np.nan)
 DIRECTIONS = ("D", "sigma", "Lambda", "G1", "G2", "G2_uncorrelated", "D_visible", "pdf")
 
@@ -30,7 +33,7 @@ def loop_types(f: np.ufunc, dtype: type) -> list[np.dtype]:
 
 
 def _values(name: str, n: int, rng: np.random.Generator, dtype: np.dtype) -> NDArray[Any]:
-    quantity = name.removeprefix("isotropic_").removeprefix("stretched_")
+    quantity = name.removeprefix(FROZEN[0]).removeprefix(FROZEN[1])
     if quantity.startswith("sample"):
         x = rng.random(n)
     elif quantity in DIRECTIONS:
@@ -50,16 +53,24 @@ def _parameter(lower: float, n: int, rng: np.random.Generator, dtype: np.dtype) 
 def arguments(
     family: Any, name: str, f: np.ufunc, n: int, dtype: type = np.float64, constant: bool = False, seed: int = 1
 ) -> list[NDArray[Any]]:
-    """Columns of `n` arguments, random and special; `constant` parameters are ordinary and have no axis."""
+    """Columns of `n` arguments, random and special; `constant` parameters are ordinary and have no axis.
+
+    So are those of the ufuncs behind the frozen distributions.
+    """
     rng = np.random.default_rng(seed)
     lower = [p.lower for p in family.parameters]
     if name.startswith("stretched_"):
         lower = [0.0, 0.0, 0.0, *lower[1:]]
     types = loop_types(f, dtype)
     values = [_values(name, n, rng, t) for t in types[: f.nin - len(lower)]]
-    if constant:
+    if constant or name.startswith(FROZEN):
         return values + [np.array(low + 0.7, t) for low, t in zip(lower, types[len(values) :], strict=True)]
     return values + [_parameter(low, n, rng, t) for low, t in zip(lower, types[len(values) :], strict=True)]
+
+
+def each(columns: list[NDArray[Any]], change: Callable[[NDArray[Any]], NDArray[Any]]) -> list[NDArray[Any]]:
+    """The columns changed; constants have no axis and stay."""
+    return [change(c) if c.ndim else c for c in columns]
 
 
 def bits(x: NDArray[Any]) -> NDArray[Any]:

@@ -28,9 +28,9 @@ PACKAGE = ROOT / "src" / "microfacet"
 CPP_LAYERS = ("core", "special", "family", "smith", "bsdf")
 PYTHON_LAYERS = (
     {"_core", "_files"},
-    {"_docs"},
+    {"_docs", "_quantities"},
     {"_frozen"},
-    {"_family", "_bsdf"},
+    {"_family", "_radial", "_bsdf"},
     {"__init__"},  # the public names; what lies above them it loads on demand only
     {"testing", "plot", "_checks", "_surface", "_bake"},
     {"_fit"},

@@ -22,7 +22,7 @@ MODULES = [
     *(
         module.name
         for module in pkgutil.walk_packages(mf.__path__, "microfacet.")
-        if module.name != "microfacet._core"
+        if not module.name.startswith("microfacet._core")
     ),
 ]
 UFUNCS = [

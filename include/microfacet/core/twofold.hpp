@@ -5,7 +5,7 @@
 // know that.
 #pragma once
 
-#include <type_traits>
+#include <cstdint>
 
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
@@ -89,7 +89,8 @@ MICROFACET_INLINE twofold<T> log_twofold(const twofold<T>& a) {
     const elementary::logarithm<T> l = elementary::log(a.high, a.low);
     return {l.high, l.low};
   } else {
-    return {log(a.high), a.low / a.high};
+    const T correction = a.low / a.high;
+    return exact_sum(T(log(a.high)), T(select(abs(correction) < T(1), correction, T(0))));
   }
 }
 
@@ -116,7 +117,7 @@ MICROFACET_INLINE T exp(const twofold<T>& x) {
   if constexpr (elementary::has_lanes<T>) {
     return elementary::exp<Bias>(x.high, x.low);
   } else {
-    const T e = exp(T(x.high + T(Bias * std::numbers::ln2)));
+    const T e = T(1.0 * (std::uint64_t{1} << Bias)) * exp(x.high);
     return select(abs(x.low) < T(1), T(e + e * x.low), e);
   }
 }

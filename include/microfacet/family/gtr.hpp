@@ -9,7 +9,7 @@
 //   survival(r2) = exp(-g V) L phi(-g L)/(beta phi(-g beta))
 //
 // The limits gamma = 1 and alpha = 1 are ordinary points of these forms. The slope marginals are integrals of
-// positive terms. Burley 2012; d'Eon's notebook "GTR NDF".
+// positive terms over L, closed for gamma = 1. Burley 2012; d'Eon's notebook "GTR NDF".
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
-#include "microfacet/core/quadrature.hpp"
+#include "microfacet/family/gtr_marginal.hpp"
 #include "microfacet/family/radial.hpp"
 
 namespace microfacet {
@@ -79,32 +79,25 @@ class gtr {
     return larger_ * (v * expm1_over(T(-beta_ * v))) / (l * expm1_over(T(beta_ * l)));
   }
 
-  // P22 over the other slope q = sqrt(p^2 + min(alpha^2, 1)) sinh t.
-  T P2(const slope<T>& t_argument) const {
-    const T p = minimum(T(abs(t_argument.value.high)), largest_slope<T>()), p2 = p * p, scale = sqrt(p2 + smaller_);
-    const T bend = log_ratio(T(sqrt(p2 + larger_)), scale) + T(1.5);
-    const auto integrand = [&](const T& t) {
-      const T e = exp(t), sinh = T(0.5) * (e - T(1) / e), cosh = T(0.5) * (e + T(1) / e);
-      return scale * cosh * P22(T(p2 + square(T(scale * sinh))));
-    };
-    return T(2) * trapezoid_even(integrand, step(), bend);
+  T P2(const slope<T>& t) const {
+    const T p = minimum(T(abs(t.value.high)), largest_slope<T>());
+    return choose(
+        gamma_ == T(1), [&] { return closed_marginal(p).density(); }, [&] { return marginal(p).density(); });
   }
-
-  // (1/pi) int_0^inf survival(t^2 cosh^2 s)/cosh s ds.
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [this](const slope<T>& x) {
-      return radial_integral(x.value.high, [](const T&, const T& cosh) { return T(1) / cosh; });
+    return symmetric_sf(t, [this](const slope<T>& upper) {
+      const T x = upper.value.high;
+      return choose(
+          gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
     });
   }
-
-  // (x/pi) int_0^inf survival(x^2 cosh^2 s) sinh^2 s/cosh s ds.
-  T slope_excess(const slope<T>& x_argument) const {
-    const T x = maximum(x_argument.value.high, floor_of_slopes());
-    return x * radial_integral(x, [](const T& sinh, const T& cosh) { return sinh * (sinh / cosh); });
+  T slope_excess(const slope<T>& t) const {
+    const T x = t.value.high;
+    return choose(
+        gamma_ == T(1), [&] { return closed_marginal(x).excess(); }, [&] { return marginal(x).excess(); });
   }
 
  private:
-  T step() const { return minimum(T(0.2), T(T(0.36) / sqrt(gamma_))); }
   // log(rest + weight exp(x))/x for weight + rest = 1, given phi = (exp(x) - 1)/x; the limit at x = 0 is
   // weight.
   static T log_mean_exp(const T& weight, const T& rest, const T& x, const T& phi) {
@@ -115,19 +108,10 @@ class gtr {
     const T near = weight * phi * log1p_over(select(lost | huge, T(0), change));
     return select(huge, grown, select(lost, shrunk, near));
   }
-  // Slopes below this change no marginal beyond rounding.
-  T floor_of_slopes() const { return T(1e-18) * sqrt(smaller_); }
-  // log of 2 a/b, an upper bound of asinh(a/b) beyond which the integrands have no singularity.
-  static T log_ratio(const T& a, const T& b) { return log(T(2) + T(2) * a / b); }
 
-  template <class Weight>
-  T radial_integral(const T& x_argument, const Weight& weight) const {
-    const T x = maximum(x_argument, floor_of_slopes());
-    const auto integrand = [&](const T& t) {
-      const T e = exp(t), sinh = T(0.5) * (e - T(1) / e), cosh = T(0.5) * (e + T(1) / e);
-      return weight(sinh, cosh) * survival(square(T(x * cosh)));
-    };
-    return trapezoid_even(integrand, step(), T(log_ratio(T(sqrt(larger_)), x) + T(2))) / T(pi);
+  detail::gtr_logarithmic<T> closed_marginal(const T& x) const { return {x, a2_, span_, omega_}; }
+  detail::gtr_marginal<T> marginal(const T& x) const {
+    return {x, span_, smaller_, larger_, g_, T(omega_ * select(g_ > T(0), down_, up_))};
   }
 
   T a2_, gamma_;

@@ -28,7 +28,7 @@ class ndf {
         const T unit2 = square(shape_.unit());
         return T(family_.P22_of_slope(shape_.length(p, q)) * (shape_.unit_density() / unit2 / unit2));
       };
-      return choose(h2.high < T(16) * smallest<T>() * square(shape_.unit()), by_slope, by_square);
+      return choose(h2.high < T(0x1p40) * smallest<T>(), by_slope, by_square);
     } else {
       return by_square();
     }
