@@ -27,7 +27,7 @@ def ufuncs(space: Any) -> dict[str, np.ufunc]:
 
 
 def loop_types(f: np.ufunc, dtype: type) -> list[np.dtype]:
-    """What the loop for values of `dtype` reads: the parameters of frozen distributions are always float64."""
+    """What the loop for values of `dtype` reads; the parameters of frozen distributions are float64."""
     first = np.dtype(dtype).char
     return [np.dtype(c) for c in next(t for t in f.types if t[0] == first).partition("->")[0]]
 
@@ -51,7 +51,13 @@ def _parameter(lower: float, n: int, rng: np.random.Generator, dtype: np.dtype) 
 
 
 def arguments(
-    family: Any, name: str, f: np.ufunc, n: int, dtype: type = np.float64, constant: bool = False, seed: int = 1
+    family: Any,
+    name: str,
+    f: np.ufunc,
+    n: int,
+    dtype: type = np.float64,
+    constant: bool = False,
+    seed: int = 1,
 ) -> list[NDArray[Any]]:
     """Columns of `n` arguments, random and special; `constant` parameters are ordinary and have no axis.
 

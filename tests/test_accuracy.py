@@ -1,4 +1,4 @@
-"""The accuracy contract: every build and precision, every family and function (numbers: accuracy_points.py)."""
+"""The accuracy contract: all builds, precisions, families and functions (numbers: accuracy_points.py)."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ def test_contract(family: str, quantity: str) -> None:
         for m in sorted(found, key=lambda m: -m.error / max(m.tolerance, 1e-300))[:6]
     )
     counts = ", ".join(
-        f"{build} {dtype}: {len(found)} of {len(samples[dtype])}" for (build, dtype), found in failures.items()
+        f"{build} {dtype}: {len(found)} of {len(samples[dtype])}"
+        for (build, dtype), found in failures.items()
     )
     assert not report, f"outside the contract ({counts})\n{report}"

@@ -7,7 +7,6 @@ import pickle
 import re
 from typing import Any
 
-import numpy as np
 import pytest
 
 import microfacet as mf
@@ -82,20 +81,3 @@ def test_anisotropic_constructor(family: Any) -> None:
         family.cls(alpha=0.3, alpha_x=0.1, alpha_y=0.4, **shape)
     with pytest.raises((TypeError, ValueError)):
         family.cls(alpha_x=0.1, **shape)
-
-
-@each_family
-def test_directions_broadcast_and_keep_their_precision(family: Any) -> None:
-    ndf = distribution(family)
-    directions = np.array([[0.0, 0.6, 0.8], [0.28, 0.0, 0.96], [0.6, 0.0, 0.8]])
-    for method in (ndf.D, ndf.sigma, ndf.Lambda, ndf.G1, ndf.pdf):
-        assert method(directions).shape == (3,)
-        assert np.ndim(method(directions[0])) == 0
-        assert method(np.empty((0, 3))).shape == (0,)
-        assert method(directions.astype(np.float32)).dtype == np.float32
-        np.testing.assert_array_equal(method(np.asfortranarray(directions)), method(directions))
-        with pytest.raises(ValueError, match=r"dimension|shape"):
-            method(directions[:, :2])
-    assert ndf.G2(directions[:, None], directions).shape == (3, 3)
-    assert ndf.D_visible(directions[:, None], directions).shape == (3, 3)
-    assert ndf.sample(np.full((5, 4, 2), 0.5)).shape == (5, 4, 3)

@@ -33,9 +33,11 @@ std::vector<microfacet::integer_of<T>> apply(const std::vector<T>& values, const
   const std::size_t count = values.size(), stride = count / Pack::size + 1;
   for (std::size_t first = 0; first < stride; ++first) {
     Pack x(T(0));
-    for (int i = 0; i < Pack::size; ++i) x.set(i, values[(first + static_cast<std::size_t>(i) * stride) % count]);
+    for (int i = 0; i < Pack::size; ++i)
+      x.set(i, values[(first + static_cast<std::size_t>(i) * stride) % count]);
     const Pack y = function(x);
-    for (int i = 0; i < Pack::size; ++i) results[(first + static_cast<std::size_t>(i) * stride) % count] = y[i];
+    for (int i = 0; i < Pack::size; ++i)
+      results[(first + static_cast<std::size_t>(i) * stride) % count] = y[i];
   }
   return bits_of(results);
 }

@@ -1,9 +1,10 @@
-// Every family on lanes, also when the lanes of one batch lie in different regimes of a formula, outside its domain,
-// or at infinity: a batch with nothing but <cmath> gives the scalar's values, and a pack gives every lane the bits
-// that it has among others or alone.
+// Every family on lanes, also when the lanes of one batch lie in different regimes of a formula, outside its
+// domain, or at infinity: a batch with nothing but <cmath> gives the scalar's values, and a pack gives every
+// lane the bits that it has among others or alone.
 
 #include "batch.hpp"
 
+#include "agreement.hpp"
 #include "check.hpp"
 #include "families.hpp"
 #include "microfacet/core/pack.hpp"
@@ -11,32 +12,11 @@
 namespace {
 
 namespace mf = microfacet;
-
-// To the accuracy contract in double, to a few roundings of the exponents in float; nan, infinity and zero alike.
-template <class T>
-bool near(T a, T b) {
-  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) && std::isnan(b);
-  const T most = std::numeric_limits<T>::max(), least = sizeof(T) == 4 ? T(1e-30) : T(1e-300);
-  if (std::abs(b) < least) return std::abs(a) < 2 * least;
-  return a == b || (std::abs(b) < most && std::abs(a - b) <= (sizeof(T) == 4 ? T(2e-5) : T(1e-13)) * std::abs(b));
-}
-
-template <class T>
-bool same_bits(T a, T b) {
-  return std::isnan(a) ? std::isnan(b) : mf::elementary::bits(a) == mf::elementary::bits(b);
-}
-
-// Arguments for all lanes, turned so that every value meets every other one in some batch.
-template <class Batch, class T>
-Batch deal(const std::vector<T>& values, std::size_t first) {
-  Batch b(T(0));
-  for (int i = 0; i < Batch::size; ++i)
-    b.set(i, values[(first + static_cast<std::size_t>(i) * (1 + first / values.size())) % values.size()]);
-  return b;
-}
+using namespace lanes;
 
 template <class Batch, class T, class Scalar, class Batched>
-void lane_by_lane(const char* name, const std::vector<T>& values, const Scalar& scalar, const Batched& batched) {
+void lane_by_lane(const char* name, const std::vector<T>& values, const Scalar& scalar,
+                  const Batched& batched) {
   for (std::size_t first = 0; first < 2 * values.size(); ++first) {
     const Batch x = deal<Batch>(values, first), y = batched(x);
     for (int i = 0; i < Batch::size; ++i) {
@@ -78,46 +58,10 @@ void all_functions() {
   });
 }
 
-// The parameters vary from lane to lane too; one lane lies outside the domain and stays alone with that.
-template <class T, class Batch>
-void mixed_parameters() {
-  const std::vector<T> shapes{T(2.2), 3, T(1.6), 11, -1, T(40.5), T(1.9), T(900)};
-  for (const T x : {T(0.01), T(0.7), T(3)}) {
-    const auto compare = [&](const char* name, const auto& make) {
-      const Batch shape = deal<Batch>(shapes, 0), at(x);
-      const auto check = [&](const char* function, const auto& evaluate) {
-        const Batch y = evaluate(make(shape), at);
-        for (int i = 0; i < Batch::size; ++i) {
-          const T want = evaluate(make(shape[i]), x);
-          const check::note where(name, ".", function, ", shape ", shape[i], ", x = ", x, ": ", y[i], ", scalar ", want);
-          CHECK(near(y[i], want) && std::isnan(y[i]) == (shape[i] < 0));
-          if constexpr (mf::elementary::has_lanes<Batch>) CHECK(same_bits(y[i], evaluate(make(Batch(shape[i])), at)[0]));
-        }
-      };
-      check("P22", []<class X>(const auto& d, const X& t) { return d.P22(t); });
-      check("P2", []<class X>(const auto& d, const X& t) { return d.P2(t); });
-      check("slope_sf", []<class X>(const auto& d, const X& t) { return d.slope_sf(t); });
-      check("slope_excess", []<class X>(const auto& d, const X& t) { return d.slope_excess(t); });
-      check("survival", []<class X>(const auto& d, const X& t) { return d.survival(t); });
-      check("radius2", []<class X>(const auto& d, const X&) { return d.radius2(X(0.3)); });
-    };
-    compare("student_t", []<class S>(const S& gamma) { return mf::student_t<S>(gamma); });
-    compare("bessel_k", []<class S>(const S& order) { return mf::bessel_k<S>(order); });
-    compare("gtr", []<class S>(const S& gamma) { return mf::gtr<S>(S(0.3), gamma); });
-  }
-}
-
 }  // namespace
 
 TEST(double_batches) { all_functions<double, lanes::batch<double>>(); }
-TEST(float_batches) { all_functions<float, lanes::batch<float>>(); }
-TEST(batches_with_parameters_of_their_own) {
-  mixed_parameters<double, lanes::batch<double>>(), mixed_parameters<float, lanes::batch<float>>();
-}
 #if MICROFACET_VECTOR_EXTENSIONS
 TEST(double_packs) { all_functions<double, mf::pack<double, 32>>(); }
 TEST(float_packs) { all_functions<float, mf::pack<float, 32>>(); }
-TEST(packs_with_parameters_of_their_own) {
-  mixed_parameters<double, mf::pack<double, 32>>(), mixed_parameters<float, mf::pack<float, 32>>();
-}
 #endif

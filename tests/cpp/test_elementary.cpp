@@ -1,5 +1,5 @@
-// Elementary functions of packs and numbers: near long double to about a rounding, exact where a value is known,
-// and the same bits for every width, number of registers and neighbourhood of a lane.
+// Elementary functions of packs and numbers: near long double to about a rounding, exact where a value is
+// known, and the same bits for every width, number of registers and neighbourhood of a lane.
 
 #include <cmath>
 #include <cstdint>
@@ -37,7 +37,8 @@ std::vector<T> within(const std::vector<range>& ranges) {
   std::vector<T> values;
   for (const auto& [lower, upper, in_exponent] : ranges)
     for (int i = 0; i < 10000; ++i) {
-      const double share = static_cast<double>(bits() >> 11) * 0x1p-53, ratio = std::pow(upper / lower, share);
+      const double share = static_cast<double>(bits() >> 11) * 0x1p-53,
+                   ratio = std::pow(upper / lower, share);
       values.push_back(static_cast<T>(in_exponent ? lower * ratio : lower + share * (upper - lower)));
     }
   return values;
@@ -108,21 +109,28 @@ void known(const char* name, const Function& function, const std::vector<std::pa
 template <class T>
 void special_values() {
   const double nan = std::nan("");
-  known<T>("exp", FUNCTION(exp), {{0, 1}, {-0.0, 1}, {inf, inf}, {-inf, 0}, {1000, inf}, {-1000, 0}, {nan, nan}});
+  known<T>("exp", FUNCTION(exp),
+           {{0, 1}, {-0.0, 1}, {inf, inf}, {-inf, 0}, {1000, inf}, {-1000, 0}, {nan, nan}});
   known<T>("expm1", FUNCTION(expm1), {{0, 0}, {inf, inf}, {-inf, -1}, {-1000, -1}, {1000, inf}, {nan, nan}});
-  known<T>("log", FUNCTION(log), {{1, 0}, {0, -inf}, {-0.0, -inf}, {inf, inf}, {-1, nan}, {-inf, nan}, {nan, nan}});
+  known<T>("log", FUNCTION(log),
+           {{1, 0}, {0, -inf}, {-0.0, -inf}, {inf, inf}, {-1, nan}, {-inf, nan}, {nan, nan}});
   known<T>("log1p", FUNCTION(log1p), {{0, 0}, {-1, -inf}, {inf, inf}, {-2, nan}, {-inf, nan}, {nan, nan}});
-  const auto power_of = [](double y) {
-    return [y](T x) { return el::pow(x, static_cast<T>(y)); };
-  };
-  known<T>("pow(., 2)", power_of(2), {{0, 0}, {1, 1}, {0.5, 0.25}, {4, 16}, {inf, inf}, {nan, nan}, {-1, nan}});
+  const auto power_of = [](double y) { return [y](T x) { return el::pow(x, static_cast<T>(y)); }; };
+  known<T>("pow(., 2)", power_of(2),
+           {{0, 0}, {1, 1}, {0.5, 0.25}, {4, 16}, {inf, inf}, {nan, nan}, {-1, nan}});
   known<T>("pow(., -1)", power_of(-1), {{0, inf}, {1, 1}, {0.25, 4}, {inf, 0}, {nan, nan}});
   known<T>("pow(., 0)", power_of(0), {{0.3, 1}, {1, 1}, {700, 1}});
-  known<T>("floor", FUNCTION(floor), {{0, 0}, {0.5, 0}, {0.75, 0}, {1, 1}, {-0.25, -1}, {-2, -2}, {99.5, 99}});
+  known<T>("floor", FUNCTION(floor),
+           {{0, 0}, {0.5, 0}, {0.75, 0}, {1, 1}, {-0.25, -1}, {-2, -2}, {99.5, 99}});
   known<T>("abs", FUNCTION(abs), {{0, 0}, {-0.0, 0}, {-2.5, 2.5}, {-inf, inf}, {nan, nan}});
   const double c = std::sqrt(0.5);
-  for (const auto& [x, cosine, sine] : std::vector<std::array<double, 3>>{
-           {0, 1, 0}, {0.125, c, c}, {0.25, 0, 1}, {0.375, -c, c}, {0.5, -1, 0}, {0.75, 0, -1}, {0.875, c, -c}}) {
+  for (const auto& [x, cosine, sine] : std::vector<std::array<double, 3>>{{0, 1, 0},
+                                                                          {0.125, c, c},
+                                                                          {0.25, 0, 1},
+                                                                          {0.375, -c, c},
+                                                                          {0.5, -1, 0},
+                                                                          {0.75, 0, -1},
+                                                                          {0.875, c, -c}}) {
     const el::circle<T> got = el::cos_sin_of_turns(static_cast<T>(x));
     const check::note at_turn(x, " turns: ", got.cosine, ", ", got.sine);
     CHECK(std::abs(static_cast<double>(got.cosine) - cosine) <= std::numeric_limits<T>::epsilon() / 2);
@@ -145,7 +153,8 @@ TEST(ends_of_the_range) {
   CHECK(std::isfinite(el::exp(std::nextafter(top_64, 0.0))));
   CHECK(el::exp(std::nextafter(top_64, 1000.0)) == inf);
   CHECK_NEAR(el::log(std::numeric_limits<double>::max()), top_64, 2e-16);
-  CHECK_NEAR(el::log(std::numeric_limits<double>::min()), std::log(std::numeric_limits<double>::min()), 2e-16);
+  CHECK_NEAR(el::log(std::numeric_limits<double>::min()), std::log(std::numeric_limits<double>::min()),
+             2e-16);
 }
 
 // exp, log and pow rise from one number to the next, also across the seams of the reduction.

@@ -16,7 +16,8 @@ namespace {
 namespace mf = microfacet;
 
 template <class T>
-const std::array<T, 9> numbers{T(0), T(-0.0), T(1), T(-2.75), T(3e-5), T(1e30), T(mf::inf), T(-mf::inf), T(mf::nan<T>())};
+const std::array<T, 9> numbers{T(0),    T(-0.0),    T(1),        T(-2.75),       T(3e-5),
+                               T(1e30), T(mf::inf), T(-mf::inf), T(mf::nan<T>())};
 
 // Lane i of two packs holds a pair of numbers of its own.
 template <class Pack>
@@ -45,9 +46,11 @@ TEST(arithmetic_and_comparisons) {
     using T = typename Pack::lane;
     for (int first = 0; first < 9; ++first) {
       const Pack a = deal<Pack>(1, 0), b = deal<Pack>(2, first), c = deal<Pack>(4, first);
-      const Pack sum = a + b, difference = a - b, product = a * b, quotient = a / b, minus = -a, root = sqrt(a);
+      const Pack sum = a + b, difference = a - b, product = a * b, quotient = a / b, minus = -a,
+                 root = sqrt(a);
       const Pack fused = multiply_add(a, b, c);
-      const auto less = a < b, greater = a > b, at_most = a <= b, at_least = a >= b, equal = a == b, other = a != b;
+      const auto less = a<b, greater = a> b, at_most = a <= b, at_least = a >= b, equal = a == b,
+                 other = a != b;
       for (int i = 0; i < Pack::size; ++i) {
         const T x = a[i], y = b[i], z = c[i];
         CHECK(same(sum[i], x + y) && same(difference[i], x - y) && same(product[i], x * y));
@@ -63,7 +66,7 @@ TEST(arithmetic_and_comparisons) {
 TEST(masks) {
   each_pack([]<class Pack> {
     const Pack a = deal<Pack>(1, 0), b = deal<Pack>(2, 3);
-    const auto less = a < b, above_one = a > Pack(1);
+    const auto less = a<b, above_one = a> Pack(1);
     const Pack chosen = select((less & above_one) | !(a == a), a, b);
     for (int i = 0; i < Pack::size; ++i) {
       const bool take = (a[i] < b[i] && a[i] > 1) || std::isnan(a[i]);
@@ -91,7 +94,8 @@ TEST(converts_explicitly) {
   each_pack([]<class Pack> {
     using T = typename Pack::lane;
     static_assert(std::is_constructible_v<Pack, int> && !std::is_convertible_v<double, Pack>);
-    static_assert(!std::is_convertible_v<Pack, bool> && std::is_same_v<typename mf::scalar_traits<Pack>::real, T>);
+    static_assert(!std::is_convertible_v<Pack, bool> &&
+                  std::is_same_v<typename mf::scalar_traits<Pack>::real, T>);
     CHECK(same(Pack(-0.0)[0], T(-0.0)) && same(Pack(0.1)[Pack::size - 1], T(0.1)));
     CHECK(same(Pack(mf::inf)[0], T(mf::inf)) && std::isnan(Pack(mf::nan<T>())[0]));
   });

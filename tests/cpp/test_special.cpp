@@ -63,7 +63,8 @@ void bessel_functions() {
   COMPARE(bessel_complement_above, many, [](T nu, T y) { return orders(nu, y).complement_above; });
 }
 
-// The table holds tails relative to the density A^(-k - 1/2), A = 1 + t^2/k; the functions are relative to N A^-k.
+// The table holds tails relative to the density A^(-k - 1/2), A = 1 + t^2/k; the functions are relative to N
+// A^-k.
 template <class T>
 void student_functions() {
   const auto relative = [](T k, T t, const auto& function) {

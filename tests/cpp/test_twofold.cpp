@@ -1,5 +1,5 @@
-// Sums of two numbers: the error-free transforms are exact, and the rest keeps twice the digits, with and without
-// an instruction that rounds a * b + c once.
+// Sums of two numbers: the error-free transforms are exact, and the rest keeps twice the digits, with and
+// without an instruction that rounds a * b + c once.
 
 #include "microfacet/core/twofold.hpp"
 
@@ -22,7 +22,8 @@ class numbers {
  public:
   T next(int octaves) {
     const double mantissa = 1 + static_cast<double>(bits_() >> 11) * 0x1p-53;
-    const T size = static_cast<T>(std::ldexp(mantissa, static_cast<int>(bits_() % static_cast<unsigned>(octaves))));
+    const T size =
+        static_cast<T>(std::ldexp(mantissa, static_cast<int>(bits_() % static_cast<unsigned>(octaves))));
     return bits_() % 2 == 0 ? size : -size;
   }
 
@@ -43,8 +44,9 @@ long double value(const twofold<T>& x) {
 
 // Four roundings of a twofold, or of a long double where that has fewer digits.
 template <class T>
-constexpr double tight = 4 * std::max(double(std::numeric_limits<T>::epsilon()) * double(std::numeric_limits<T>::epsilon()),
-                                      double(std::numeric_limits<long double>::epsilon()));
+constexpr double tight =
+    4 * std::max(double(std::numeric_limits<T>::epsilon()) * double(std::numeric_limits<T>::epsilon()),
+                 double(std::numeric_limits<long double>::epsilon()));
 template <class T>
 double error(const twofold<T>& got, long double want) {
   return static_cast<double>(std::abs((value(got) - want) / want));
@@ -127,7 +129,8 @@ void packs_agree() {
     values.push_back(random.next(3));
     results.push_back(through_all(values.back()));
   }
-  packs::each<T>([&]<class Pack> { CHECK(packs::apply<Pack>(values, through_all) == packs::bits_of(results)); });
+  packs::each<T>(
+      [&]<class Pack> { CHECK(packs::apply<Pack>(values, through_all) == packs::bits_of(results)); });
 }
 
 }  // namespace

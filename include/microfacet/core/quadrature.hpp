@@ -21,15 +21,15 @@ T integral_between_roots(const Pair& pair, const T& pairs) {
     cosine = T(1) - cosine * square_of_first * T(1.0 / (2 * n * (2 * n - 1)));
   }
   sine = sine * first;
-  const T turn_sine = T(2) * sine * cosine, turn_cosine = T(1) - T(2) * sine * sine;
+  const T turn_sine = T(2) * sine * cosine, less = T(2) * sine * sine;  // 1 - cosine of the turn
   T sum(0);
   for (int j = 0; j < most_node_pairs; ++j) {
     const auto inside = T(j) < pairs;
     if (!any(inside)) break;
     const T term = pair(T(sine * sine), T(cosine * cosine)) * (sine * cosine);
     sum = select(inside, T(sum + term), sum);
-    const T next = sine * turn_cosine + cosine * turn_sine;
-    cosine = cosine * turn_cosine - sine * turn_sine, sine = next;
+    const T rise = cosine * turn_sine - sine * less;
+    cosine = cosine - (cosine * less + sine * turn_sine), sine = sine + rise;
   }
   return T(4) * first * sum;
 }

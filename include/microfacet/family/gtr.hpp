@@ -32,14 +32,15 @@ class gtr {
   static constexpr bool shape_invariant = false;
   static constexpr bool native_float32 = false, costly = true;
 
-  gtr(const T& alpha_argument, const T& gamma) : gamma_(where((gamma > T(0)) & (gamma < T(inf)), gamma)) {
-    const T alpha = where((alpha_argument > T(0)) & (alpha_argument < T(inf)), alpha_argument);
-    a2_ = alpha * alpha;
-    const auto narrow = alpha <= T(1);
-    const T difference = (T(1) - alpha) * (T(1) + alpha);  // 1 - alpha^2
+  gtr(const T& alpha, const T& gamma)
+      : alpha_(where((alpha > T(0)) & (alpha < T(inf)), alpha)),
+        gamma_(where((gamma > T(0)) & (gamma < T(inf)), gamma)) {
+    a2_ = alpha_ * alpha_;
+    const auto narrow = alpha_ <= T(1);
+    const T difference = (T(1) - alpha_) * (T(1) + alpha_);  // 1 - alpha^2
     const auto one = difference == T(0);
     span_ = abs(difference);
-    omega_ = select(one, T(1), T(T(-2) * log(alpha) / select(one, T(1), difference)));
+    omega_ = select(one, T(1), T(T(-2) * log(alpha_) / select(one, T(1), difference)));
     const T beta = span_ * omega_;
     smaller_ = minimum(a2_, T(1));
     larger_ = maximum(a2_, T(1));
@@ -61,14 +62,13 @@ class gtr {
     return norm_ * pow(T(length2 / q), gamma_) / square(length2);
   }
 
-  T survival(const twofold<T>& r2_argument) const {
-    const T r2 = r2_argument.high;
-    // exp(L) - 1 = |1 - alpha^2|/(r2 + min), exp(V) - 1 = r2 |1 - alpha^2|/(min (r2 + max)).
-    const T l_argument = span_ / (r2 + smaller_), l_over_span = log1p_over(l_argument) / (r2 + smaller_);
-    const T v = log1p(span_ / smaller_ / (T(1) + larger_ / r2));
+  T survival(const twofold<T>& r2) const {
+    // exp(L) - 1 = |1 - alpha^2|/(r2 + min), exp(V) - 1 = |1 - alpha^2| r2/(min (r2 + max)).
+    const T sum = r2.high + smaller_, l_over_span = log1p_over(T(span_ / sum)) / sum;
+    const twofold<T> v = log1p_twofold(exact_span() * ratio(r2));
     // phi(-x) = exp(-x) phi(x): the two forms are equal, and each overflows where the other does not.
     const T gl = g_ * span_ * l_over_span;
-    const T ratio = select(g_ > T(0), T(exp(-g_ * v) * expm1_over(T(-gl)) / down_), T(expm1_over(gl) / up_));
+    const T ratio = select(g_ > T(0), T(exp(-(v * twofold<T>(g_))) * expm1_over(T(-gl)) / down_), T(expm1_over(gl) / up_));
     return minimum(T(l_over_span / omega_ * ratio), T(1));
   }
 
@@ -79,20 +79,17 @@ class gtr {
     return larger_ * (v * expm1_over(T(-beta_ * v))) / (l * expm1_over(T(beta_ * l)));
   }
 
-  T P2(const slope<T>& t) const {
-    const T p = minimum(T(abs(t.value.high)), largest_slope<T>());
+  T P2(const slope<T>& t_argument) const {
+    const slope<T> t(minimum(T(abs(t_argument.value.high)), largest_slope<T>()), bounded(t_argument.squared));
     return choose(
-        gamma_ == T(1), [&] { return closed_marginal(p).density(); }, [&] { return marginal(p).density(); });
+        gamma_ == T(1), [&] { return closed_marginal(t).density(); }, [&] { return marginal(t).density(); });
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [this](const slope<T>& upper) {
-      const T x = upper.value.high;
-      return choose(
-          gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
+    return symmetric_sf(t, [this](const slope<T>& x) {
+      return choose(gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
     });
   }
-  T slope_excess(const slope<T>& t) const {
-    const T x = t.value.high;
+  T slope_excess(const slope<T>& x) const {
     return choose(
         gamma_ == T(1), [&] { return closed_marginal(x).excess(); }, [&] { return marginal(x).excess(); });
   }
@@ -109,12 +106,28 @@ class gtr {
     return select(huge, grown, select(lost, shrunk, near));
   }
 
-  detail::gtr_logarithmic<T> closed_marginal(const T& x) const { return {x, a2_, span_, omega_}; }
-  detail::gtr_marginal<T> marginal(const T& x) const {
-    return {x, span_, smaller_, larger_, g_, T(omega_ * select(g_ > T(0), down_, up_))};
+  static twofold<T> bounded(const twofold<T>& r2) {
+    const T most = square(largest_slope<T>());
+    return {minimum(r2.high, most), select(r2.high > most, T(0), r2.low)};
   }
+  detail::gtr_logarithmic<T> closed_marginal(const slope<T>& x) const { return {x.value.high, a2_, span_, omega_}; }
+  detail::gtr_marginal<T> marginal(const slope<T>& x) const {
+    return {x, smaller_, exact_span(), ratio(x.squared), g_, T(omega_ * select(g_ > T(0), down_, up_))};
+  }
+  // |1 - alpha^2|, and (exp(V) - 1) over it, with the digits that an exponent needs.
+  twofold<T> exact_span() const {
+    const twofold<T> span = larger() + -smaller();
+    return exact_sum_of_ordered(span.high, span.low);
+  }
+  twofold<T> ratio(const twofold<T>& r2_argument) const {
+    const twofold<T> r2 = bounded(r2_argument);
+    return quotient(r2, smaller() * (larger() + r2));
+  }
+  twofold<T> smaller() const { return {smaller_, select(alpha_ < T(1), a2_low(), T(0))}; }
+  twofold<T> larger() const { return {larger_, select(alpha_ < T(1), T(0), a2_low())}; }
+  T a2_low() const { return product_error(alpha_, alpha_, a2_); }
 
-  T a2_, gamma_;
+  T alpha_, gamma_, a2_;
   T span_, omega_, beta_, g_, up_, down_, smaller_, larger_, norm_;
 };
 

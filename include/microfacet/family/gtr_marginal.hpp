@@ -14,6 +14,7 @@
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/quadrature.hpp"
 #include "microfacet/core/twofold.hpp"
+#include "microfacet/family/radial.hpp"
 
 namespace microfacet::detail {
 
@@ -39,103 +40,115 @@ class gtr_logarithmic {
 template <class T>
 class gtr_marginal {
  public:
-  // scale = beta/(max - min) times (1 - exp(-|g| beta))/(|g| beta), the denominator of survival.
-  gtr_marginal(const T& x, const T& span, const T& smaller, const T& larger, const T& g, const T& scale)
-      : x_(x), x2_(x * x), a2_(x2_ + smaller), g_(select(abs(g) < T(least), T(least), g)), scale_(scale) {
-    const T excess = span / a2_;
-    whole_ = maximum(T(log1p(excess)), T(least));
-    whole_over_span_ = log1p_over(excess) / a2_;
-    const T ratio = (x2_ / smaller) / (larger + x2_), lift = span * ratio;
-    beyond_over_span_ = log1p_over(lift) * ratio;
-    const twofold<T> beyond = log1p_twofold(twofold<T>(lift)), decay = beyond * twofold<T>(maximum(g_, T(0)));
+  // span = max - min, ratio = (exp(L(0) - L(x^2)) - 1)/span, and scale = beta/span (1 - exp(-|g| beta))/(|g| beta),
+  // the denominator of survival.
+  gtr_marginal(const slope<T>& x, const T& smaller, const twofold<T>& span, const twofold<T>& ratio, const T& g,
+               const T& scale)
+      : x_(x.value.high),
+        amplitude_(sqrt(x.squared.high + smaller)),
+        g_(select(abs(g) < T(least), T(least), g)),
+        rising_(g_ > T(0)),
+        scale_(scale) {
+    const T a2 = x.squared.high + smaller, excess = span.high / a2;
+    const T whole = maximum(T(log1p(excess)), T(least));
+    whole_over_span_ = select(excess > T(least), T(whole / excess), T(1)) / a2;
+    const twofold<T> lift = span * ratio, beyond = log1p_twofold(lift);  // L(0) - L(x^2)
+    const twofold<T> decay = beyond * twofold<T>(maximum(g_, T(0)));
     fall_ = exp(-decay);
-    rising_ = g_ > T(0);
+    const T beyond_over_span = select(lift.high > T(least), T(beyond.high / span.high), ratio.high);
     // Where survival grows by many orders of magnitude, its upper end is all that counts.
-    concentrated_ = g_ * whole_ > T(negligible);
-    length_ = select(concentrated_, T(T(negligible) / g_), whole_);
-    const T rest = whole_ - length_;
-    rest_factor_ = exp(rest), rest_excess_ = expm1(rest);
-    pairs_ = enough_pairs(beyond.high, decay.high);
+    const auto steep = g_ * whole > T(negligible);
+    length_ = select(steep, T(T(negligible) / g_), whole), part_ = length_ / whole;
+    growth_of_length_ = select(steep, T(expm1(length_)), maximum(excess, T(least)));
+    omitted_ = exp(length_ - whole);
+    height_ = minimum(T(abs(g_) * length_), T(single ? 80 : 600));
+    const T growth = expm1(height_);
+    all_ = T(1) / (T(1) + growth), rest_of_all_ = growth * all_;
+    // The pole lies past the end x of the interval by L(0) - L(x^2).
+    const T t = T(2) * beyond_over_span / (whole_over_span_ * part_);
+    log_rho_ = log1p(t + sqrt(t * (t + T(2))));
+    pairs_ = enough_pairs(decay.high);
   }
 
   T excess() const {
-    const auto node = [this](const T& survival, const T& r, const T& rho) {
-      return survival * (r * (T(1) + r)) * rho / (x2_ + rho * rho);
-    };
-    return integral_of_survival(node) - x_ * pole();
+    const T x = x_ / amplitude_, x2 = x * x;
+    const T sum = integral_of_survival([&](const T& near, const T& far, const T& rho2, const T& rho2_far) {
+      const T d = x2 + rho2, d_far = x2 + rho2_far;
+      return (near * sqrt(rho2) * d_far + far * sqrt(rho2_far) * d) / (d * d_far);
+    });
+    return maximum(T(sum / amplitude_ - x_ * pole()), T(0));
   }
   T sf() const {
-    const auto node = [this](const T& survival, const T& r, const T& rho) {
-      return survival * (r * (T(1) + r)) / (rho * (x2_ + rho * rho));
-    };
-    return x_ * integral_of_survival(node) + pole();
+    const T x = x_ / amplitude_, x2 = x * x;
+    const T sum = integral_of_survival([&](const T& near, const T& far, const T& rho2, const T& rho2_far) {
+      const T rho = sqrt(rho2), rho_far = sqrt(rho2_far), d = rho * (x2 + rho2), d_far = rho_far * (x2 + rho2_far);
+      return (near * d_far + far * d) / (d * d_far);
+    });
+    return sum * x / square(amplitude_) + pole();
   }
   T density() const {
-    const T top = select(rising_, T(-g_ * length_), T(0)), bottom = select(rising_, T(0), T(g_ * length_));
-    const T sum = integral([&](const T& near, const T& far, const T&, const T& rho) {
-      return exp(multiply_add(top, near, T(bottom * far))) / rho;
+    const T sum = integral([&](const nodes& n) {
+      const T fallen = all_ * (T(1) + n.growth), rho = sqrt(n.rho2), rho_far = sqrt(n.rho2_far);
+      const T near = select(rising_, n.inverse_growth, fallen), far = select(rising_, fallen, n.inverse_growth);
+      return (near * rho_far + far * rho) / (rho * rho_far);
     });
-    return fall_ * sum * (length_ / whole_) * whole_over_span_ / (T(pi) * scale_);
+    return fall_ * sum * part_ * whole_over_span_ / (T(pi) * amplitude_ * scale_);
   }
 
  private:
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
-  static constexpr double negligible = single ? 20 : 50;
+  static constexpr double negligible = single ? 28 : 50;
   static constexpr double least = single ? 1e-9 : 1e-20;  // stands for zero, where only quotients count
 
-  // int_0^1 of f(near, 1 - near, 1/a, rho) over near = (L(x^2) - L)/length.
+  // At L = L(x^2) - near length and L = L(x^2) - far length, with growth = exp(|g| near length) - 1: 1/a, (rho/A)^2.
+  struct nodes {
+    T growth, inverse_growth, r, r_far, rho2, rho2_far;
+  };
+
   template <class Function>
   T integral(const Function& f) const {
-    const T amplitude = sqrt(a2_);
-    const auto pair = [&](const T& near, const T& far) {
-      const T e_near = expm1(length_ * near), e_far = expm1(length_ * far);
-      const auto node = [&](const T& n, const T& m, const T& above, const T& below) {
-        const T r = T(1) / multiply_add(below, rest_factor_, rest_excess_);
-        return f(n, m, r, T(amplitude * sqrt(above * (T(1) + r))));
-      };
-      return node(near, far, e_near, e_far) + node(far, near, e_far, e_near);
+    const T base = T(1) - omitted_;
+    const auto pair = [&](const T& near, const T&) {
+      const T b = expm1(length_ * near), growth = expm1(height_ * near), b_far = growth_of_length_ - b;
+      const T a = b_far + base * (T(1) + b), a_far = b + base;  // times (1 + b) omitted, and omitted
+      const T grown = T(1) + growth, inverse = T(1) / (a * a_far * grown), inverse_a = inverse * (a_far * grown);
+      const T inverse_a_far = inverse * (a * grown);
+      return f(nodes{growth, T(inverse * (a * a_far)), T((T(1) + b) * (omitted_ * inverse_a)),
+                     T(omitted_ * inverse_a_far), T((T(1) + growth_of_length_) * (b * inverse_a)),
+                     T(b_far * inverse_a_far)});
     };
     return integral_between_roots<T>(pair, pairs_);
   }
 
+  // (1/2 pi) int survival (1 + 1/a)/a f dL, f being the sum for both nodes.
   template <class Function>
   T integral_of_survival(const Function& f) const {
-    const T height = g_ * length_, top = select(concentrated_, T(-height), T(0));
-    const T bottom = select(concentrated_, T(0), height), one = select(concentrated_, T(1), T(0));
-    const T sum = integral([&](const T& near, const T& far, const T& r, const T& rho) {
-      return f(T(expm1(multiply_add(top, near, T(bottom * far))) + one), r, rho);
+    const T sum = integral([&](const nodes& n) {
+      const T near = (rest_of_all_ - all_ * n.growth) * select(rising_, n.inverse_growth, T(1));
+      const T far = n.growth * select(rising_, all_, n.inverse_growth);
+      return f(T(near * n.r * (T(1) + n.r)), T(far * n.r_far * (T(1) + n.r_far)), n.rho2, n.rho2_far);
     });
-    const T fall = fall_ * exp(select(rising_ & !concentrated_, T(-height), T(0)));
-    return fall * length_ * sum / (T(2 * pi) * g_ * scale_);
+    return fall_ * length_ * sum / (T(2 * pi) * abs(g_) * scale_);
   }
 
-  // What limits the rule are the growth of exp(g L) and the poles at L = +-2 pi i and, if survival is small in the
-  // interval, at L(0) +- 2 pi i.
-  T enough_pairs(const T& beyond, const T& decay) const {
+  // What limits the rule are the poles at L = +-2 pi i and the growth of exp(g L).
+  T enough_pairs(const T& decay) const {
     const T turns = sqrt(T(0.5) * abs(g_) * length_);
-    const T pairs = single ? maximum(T(T(1.5) + T(0.25) * length_), T(T(1.5) + T(1.2) * turns))
+    const T pairs = single ? maximum(T(T(2) + T(0.28) * length_), T(T(2) + T(1.4) * turns))
                            : maximum(T(T(3.3) + T(0.48) * length_), T(T(3) + T(2) * turns));
-    const auto small = decay > T(8);
-    const T far = choose(
-        small,
-        [&] {
-          const T real = T(1) + T(2) * beyond / length_, imaginary = T(4 * pi) / length_;
-          return (decay + T(single ? 18 : 37)) /
-                 (T(4) * log(T(2) * sqrt(real * real + imaginary * imaginary) - T(1)));
-        },
-        [&] { return T(0); });
-    return floor(maximum(pairs, select(small, far, T(0)))) + T(1);
+    // The pole beyond the interval is the rule's error as long as survival does not grow too much up to there;
+    // else it must not count.
+    const T far = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
+    return floor(maximum(pairs, select(decay > T(8), far, T(0)))) + T(1);
   }
 
-  // The rule's error due to the pole of both integrands at r = 0, where survival is 1: past the end x of the interval by
-  // L(0) - L(x^2).
-  T pole() const {
-    const T t = T(2) * beyond_over_span_ / whole_over_span_ * (whole_ / length_), log_rho = log1p(t + sqrt(t * (t + T(2))));
-    return T(1) / (T(1) + exp(minimum(T(T(4) * pairs_ * log_rho), T(single ? 80 : 700))));
-  }
+  // The rule's error due to the pole of both integrands at r = 0, where survival is 1.
+  T pole() const { return T(1) / (T(1) + exp(minimum(T(T(4) * pairs_ * log_rho_), T(single ? 87 : 700)))); }
 
-  T x_, x2_, a2_, g_, scale_, whole_, whole_over_span_, beyond_over_span_, fall_, length_, rest_factor_, rest_excess_, pairs_;
-  decltype(T() > T()) rising_, concentrated_;
+  T x_, amplitude_, g_;
+  decltype(T() > T()) rising_;
+  T scale_, whole_over_span_, fall_, length_, part_, growth_of_length_, omitted_;
+  T height_, all_, rest_of_all_, log_rho_, pairs_;
 };
 
 }  // namespace microfacet::detail

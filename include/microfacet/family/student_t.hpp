@@ -53,7 +53,7 @@ class student_t {
   // For gamma near 1 slopes reach beyond the square root of the largest number.
   T radius(const T& xi) const {
     const T depth = log1p(-xi), growth = depth / k_;
-    return sqrt(-depth * expm1_over(growth)) * exp(T(-0.5) * growth);
+    return sqrt((T(0) - depth) * expm1_over(growth)) * exp(T(-0.5) * growth);
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
     return power<60>(t.squared, T(k_ + T(0.5))) * (norm_ * T(0x1p-60) * factor);

@@ -1,4 +1,5 @@
-// What Dr.Jit's arrays (packets, traced arrays, differentiable arrays) lack of the scalar contract (core/math.hpp).
+// What Dr.Jit's arrays (packets, traced arrays, differentiable arrays) lack of the scalar contract
+// (core/math.hpp).
 #pragma once
 
 #include <drjit/math.h>

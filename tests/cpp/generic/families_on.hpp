@@ -1,7 +1,8 @@
-// Every family on another library's arrays: each element is the scalar double's value, to the accuracy contract in
-// double and to a few roundings of the exponents in float.
+// Every family on another library's arrays: each element is the scalar double's value, to the accuracy
+// contract in double and to a few roundings of the exponents in float.
 //
-// An array comes with a function Io::map(function, numbers), which applies a function of arrays to 16 numbers.
+// An array comes with a function Io::map(function, numbers), which applies a function of arrays to 16
+// numbers.
 #pragma once
 
 #include <string_view>
@@ -43,9 +44,11 @@ void families_on(const char* library, const Wanted& wanted = {}) {
     const auto scalar = ::families::make<double, Tag>(rounded);
     const auto array = ::families::make<Array, Tag>(rounded);
     const double last = exact.empty() ? 0 : exact.back();
-    const check::note family(library, sizeof(T) == 4 ? " float " : " double ", Tag::template type<T>::name, " ", last);
+    const check::note family(library, sizeof(T) == 4 ? " float " : " double ", Tag::template type<T>::name,
+                             " ", last);
     const auto compare = [&](const char* name, const auto& function) {
-      const std::vector<T> got = Io::map([&](const Array& x) { return Array(function(array, x)); }, arguments<T>);
+      const std::vector<T> got =
+          Io::map([&](const Array& x) { return Array(function(array, x)); }, arguments<T>);
       for (std::size_t i = 0; i < got.size(); ++i) {
         const double x = arguments<T>[i], want = function(scalar, x);
         const check::note at(name, "(", x, ")");

@@ -1,5 +1,5 @@
-// The headers on Dr.Jit's traced arrays, and their derivatives by its automatic differentiation. A program that
-// only compiles where Dr.Jit finds no LLVM: it then says so and returns 77.
+// The headers on Dr.Jit's traced arrays, and their derivatives by its automatic differentiation. A program
+// that only compiles where Dr.Jit finds no LLVM: it then says so and returns 77.
 
 #include <drjit/autodiff.h>
 #include <drjit/jit.h>
@@ -50,16 +50,19 @@ void differentiate() {
     if (!few_steps(Tag::template type<T>::name)) return;
     const check::note family(Tag::template type<T>::name);
     const auto f = families::make<differentiable, Tag>(a);
-    const auto got = traced<array>::map([&](const array& x) {
-      differentiable y = x;
-      drjit::enable_grad(y);
-      differentiable z = f.slope_excess(y);
-      drjit::backward(z);
-      return drjit::detach<false>(drjit::grad(y));
-    }, generic::arguments<T>);
+    const auto got = traced<array>::map(
+        [&](const array& x) {
+          differentiable y = x;
+          drjit::enable_grad(y);
+          differentiable z = f.slope_excess(y);
+          drjit::backward(z);
+          return drjit::detach<false>(drjit::grad(y));
+        },
+        generic::arguments<T>);
     const auto g = families::make<double, Tag>(a);
     for (std::size_t i = 0; i < got.size(); ++i)
-      CHECK_NEAR(got[i], -g.slope_sf(double(generic::arguments<T>[i])), 1e4 * std::numeric_limits<T>::epsilon());
+      CHECK_NEAR(got[i], -g.slope_sf(double(generic::arguments<T>[i])),
+                 1e4 * std::numeric_limits<T>::epsilon());
   });
 }
 

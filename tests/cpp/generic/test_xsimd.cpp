@@ -1,5 +1,9 @@
 // The headers on xsimd's batches.
 
+// A batch of float comes from a number by conversion to float.
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wfloat-conversion"
+
 #include "adapt_xsimd.hpp"
 #include "families_on.hpp"
 
