@@ -1,7 +1,6 @@
 // How arrays become lanes and lanes become arrays: any stride, any count up to the number of lanes.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstring>
@@ -47,35 +46,6 @@ MICROFACET_INLINE lanes<T> load(const T* source) {
 template <class T>
 MICROFACET_INLINE void store(const lanes<T>& values, T* target) {
   std::memcpy(target, &values, sizeof values);
-}
-
-// Elements that a loop handles at a time: what is strided, short or of another type passes through a buffer
-// of this length, and no other temporary exists.
-inline constexpr std::ptrdiff_t block = 256;
-template <class T>
-using buffer = std::array<T, block>;
-
-// `count` numbers of type From, `stride` bytes apart; the last one fills up the lanes, so that no lane does
-// what none asked for.
-template <class From, class To>
-void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buffer<To>& target) {
-  if (stride == sizeof(From)) {
-    for (std::ptrdiff_t i = 0; i < count; ++i)
-      target[i] = static_cast<To>(reinterpret_cast<const From*>(source)[i]);
-  } else {
-    for (std::ptrdiff_t i = 0; i < count; ++i)
-      target[i] = static_cast<To>(*reinterpret_cast<const From*>(source + i * stride));
-  }
-  for (std::ptrdiff_t i = count; i % width<To> != 0; ++i) target[i] = target[count - 1];
-}
-template <class From, class To>
-void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, std::ptrdiff_t count) {
-  if (stride == sizeof(To)) {
-    for (std::ptrdiff_t i = 0; i < count; ++i) reinterpret_cast<To*>(target)[i] = static_cast<To>(source[i]);
-  } else {
-    for (std::ptrdiff_t i = 0; i < count; ++i)
-      *reinterpret_cast<To*>(target + i * stride) = static_cast<To>(source[i]);
-  }
 }
 
 // Kernels compute with nan and inf on purpose, and subnormal numbers cost ten times as much as others: flush

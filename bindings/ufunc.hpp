@@ -28,6 +28,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "blocks.hpp"
 #include "lanes.hpp"
 #include "microfacet/core/vec.hpp"
 #include "microfacet/family/prepared.hpp"
@@ -50,6 +51,7 @@ template <class Model, class Operation, bool WideParameters>
 struct ufunc_loops {
   static constexpr std::size_t values = Operation::shape.inputs, outputs = Operation::shape.outputs;
   static constexpr std::size_t inputs = values + Model::count;
+  static constexpr block_plan plan{values, inputs, outputs, WideParameters};
 
   template <class T>
   using stored_parameter = std::conditional_t<WideParameters, double, T>;
@@ -88,49 +90,18 @@ struct ufunc_loops {
     for (std::size_t a = 0; a < outputs; ++a) store(y[a], out[a] + i);
   }
   template <class Compute, class Distribution>
-  static void evaluate_constant(const Distribution& distribution, const Compute* const* in,
-                                Compute* const* out, npy_intp n) {
-    const Distribution d = distribution;  // a copy, which no store to an array can change
+  static void evaluate_constant(const void* distribution, const Compute* const* in, Compute* const* out,
+                                npy_intp n) {
+    // A copy, which no store to an array can change.
+    const Distribution d = *static_cast<const Distribution*>(distribution);
     for (npy_intp i = 0; i < n; i += width<Compute>) evaluate<Compute>(d, in, out, i);
   }
   template <class Compute>
-  static void evaluate_varying(const Compute* const* in, Compute* const* out, npy_intp n) {
+  static void evaluate_varying(const void*, const Compute* const* in, Compute* const* out, npy_intp n) {
     for (npy_intp i = 0; i < n; i += width<Compute>) {
       const auto p = parameters<Compute>(
           [&](std::size_t a) { return twofold<lanes<Compute>>(load(in[values + a] + i)); });
       evaluate<Compute>(own_distribution(p.data()), in, out, i);
-    }
-  }
-
-  // Block by block, through buffers where arrays are not as the lanes want them.
-  template <class Compute, class T, class Evaluate>
-  static void in_blocks(char* const* args, const npy_intp* steps, npy_intp n, bool constant,
-                        const Evaluate& evaluate_block) {
-    using stored = stored_parameter<T>;
-    std::array<buffer<Compute>, inputs + outputs> buffers;
-    std::array<const Compute*, inputs> in{};
-    std::array<Compute*, outputs> out{};
-    for (npy_intp first = 0; first < n; first += block) {
-      const npy_intp count = std::min<npy_intp>(block, n - first);
-      const auto direct = [&](std::size_t a) {
-        return std::is_same_v<T, Compute> && steps[a] == sizeof(T) && count % width<Compute> == 0;
-      };
-      const auto at = [&](std::size_t a) { return args[a] + first * steps[a]; };
-      for (std::size_t a = 0; a < (constant ? values : inputs); ++a) {
-        in[a] = buffers[a].data();
-        if (WideParameters && a >= values)
-          gather<stored>(at(a), steps[a], count, buffers[a]);
-        else if (direct(a))
-          in[a] = reinterpret_cast<const Compute*>(at(a));
-        else
-          gather<T>(at(a), steps[a], count, buffers[a]);
-      }
-      for (std::size_t a = 0; a < outputs; ++a)
-        out[a] = direct(inputs + a) ? reinterpret_cast<Compute*>(at(inputs + a)) : buffers[inputs + a].data();
-      evaluate_block(in.data(), out.data(), count);
-      for (std::size_t a = 0; a < outputs; ++a)
-        if (!direct(inputs + a))
-          scatter<Compute, T>(buffers[inputs + a], at(inputs + a), steps[inputs + a], count);
     }
   }
 
@@ -145,14 +116,12 @@ struct ufunc_loops {
     if (constant) {
       const auto p = constant_parameters<Compute, stored_parameter<T>>(args);
       const auto d = own_distribution(p.data());
-      in_blocks<Compute, T>(args, steps, n, true, [&](auto in, auto out, npy_intp count) {
-        evaluate_constant<Compute>(d, in, out, count);
-      });
-    } else if constexpr (WideParameters) {  // frozen distributions have constant parameters: no kernel of its
-                                            // own
+      in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_constant<Compute, decltype(d)>, &d);
+    } else if constexpr (WideParameters) {
+      // Frozen distributions have constant parameters: no kernel of its own for others.
       for (npy_intp i = 0; i < n; ++i) run<Compute, T>(shifted(args, steps, i).data(), steps, 1, true);
     } else {
-      in_blocks<Compute, T>(args, steps, n, false, evaluate_varying<Compute>);
+      in_blocks<Compute, T>(plan, args, steps, n, false, &evaluate_varying<Compute>, nullptr);
     }
   }
 
@@ -166,9 +135,7 @@ struct ufunc_loops {
     const auto p = constant_parameters<Compute, stored_parameter<T>>(args);
     const auto d = make_distribution(prepared<typename Model::family, lanes<Compute>>(*tables),
                                      Model::shape(p.data()), p.data());
-    in_blocks<Compute, T>(args, steps, n, true, [&](auto in, auto out, npy_intp count) {
-      evaluate_constant<Compute>(d, in, out, count);
-    });
+    in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_constant<Compute, decltype(d)>, &d);
     return true;
   }
 

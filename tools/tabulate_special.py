@@ -50,10 +50,6 @@ def tail(k: mpf, t: mpf) -> mpf:
     return over_density(k, t, lambda x: mpf(1), None)
 
 
-def centre(k: mpf, t: mpf) -> mpf:
-    return over_density(k, t, lambda x: mpf(1), t)
-
-
 def excess(k: mpf, t: mpf) -> mpf:
     return over_density(k, t, lambda x: x - t, None)
 
@@ -67,8 +63,9 @@ ORDERS = [
 ]
 # Where orders are Debye's expansion; y up to where h_nu is 1e-6 of its value at 0.
 LARGE_ORDERS = [(nu, c * nu**0.5) for nu, c in product((500, 512.25, 1e4, 1e6), (0.01, 0.5, 2, 3.75))]
-IN_TAIL = [(k, t * max(1.0, min(2.0, 0.5 * k) ** 0.5)) for k, t in product(SHAPES, (1.01, 2, 5))]
-IN_CENTRE = [(k, t * min(2.0, 0.5 * k) ** 0.5) for k, t in product(SHAPES, (1e-4, 0.3, 0.7, 0.99))]
+SLOPES = [
+    (k, t * max(1.0, min(2.0, 0.5 * k) ** 0.5)) for k, t in product(SHAPES, (1e-4, 0.3, 0.7, 1.01, 2, 5))
+]
 
 TABLES: dict[str, tuple[Function, Iterable[Sequence[float]]]] = {
     "erfc_scaled": (lambda x: mpmath.exp(x * x) * mpmath.erfc(x), [(x,) for x in HALF_LINE]),
@@ -110,9 +107,8 @@ TABLES: dict[str, tuple[Function, Iterable[Sequence[float]]]] = {
     "debye_below": (lambda nu, y: y * y * h(nu - 1, y) * mpmath.rgamma(nu + 1), LARGE_ORDERS),
     "debye_at": (lambda nu, y: h(nu, y) * mpmath.rgamma(nu + 1), LARGE_ORDERS),
     "debye_above": (lambda nu, y: h(nu + 1, y) * mpmath.rgamma(nu + 2), LARGE_ORDERS),
-    "student_tail": (tail, IN_TAIL),
-    "student_centre": (centre, IN_CENTRE),
-    "student_excess": (excess, [(k, t) for k, t in IN_TAIL if k > 0.5]),
+    "student_tail": (tail, SLOPES),
+    "student_excess": (excess, [(k, t) for k, t in SLOPES if k > 0.5]),
 }
 
 

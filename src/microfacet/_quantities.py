@@ -27,7 +27,8 @@ def _components(owner: str, names: tuple[str, ...], arguments: tuple[ArrayLike |
         )
     parts: list[Any] = []
     for name, argument in zip(names, given, strict=True):
-        array = np.asanyarray(argument)
+        # What handles ufuncs itself, as a dask array does, stays what it is.
+        array: Any = argument if hasattr(argument, "__array_ufunc__") else np.asanyarray(argument)
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"{owner}: {name} must have shape (..., 3), got {array.shape}")
         parts += (array[..., 0], array[..., 1], array[..., 2])
@@ -237,6 +238,11 @@ class Quantities:
         if out is None:
             dtype = np.float32 if np.can_cast(xi.dtype, np.float32) else np.float64
             out = np.empty((*xi.shape[:-1], 3), dtype)
+        shape = (*xi.shape[:-1], 3)
+        if not isinstance(out, np.ndarray) or out.shape != shape:
+            raise ValueError(
+                f"{type(self).__name__}.sample: out must be an array of shape {shape}, got {out!r:.60}"
+            )
         kernel, parameters = self._kernel("sample")
         kernel(xi[..., 0], xi[..., 1], *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
         return out

@@ -77,7 +77,7 @@ MICROFACET_INLINE R exp(const R& x) {
 template <class R>
 MICROFACET_INLINE R expm1(const R& x) {
   const reduced<R> e = reduce(x, R(0));
-  const R value = R(2) * multiply_add(e.power, e.excess, R(e.power - R(0.5)));
+  const R value = multiply_add(e.power, R(2) * e.excess, R(2) * (e.power - R(0.5)));
   return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), R(inf), value));
 }
 

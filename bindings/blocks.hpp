@@ -1,0 +1,86 @@
+// Loops over arrays block by block, whatever their strides and types: one function for all kernels.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <type_traits>
+
+#include "lanes.hpp"
+
+namespace microfacet::bindings {
+
+// Elements that a loop handles at a time: what is strided, short or of another type passes through a buffer
+// of this length, and no other temporary exists.
+inline constexpr std::ptrdiff_t block = 256;
+template <class T>
+using buffer = std::array<T, block>;
+
+// `count` numbers of type From, `stride` bytes apart; the last one fills up the lanes, so that no lane does
+// what none asked for.
+template <class From, class To>
+void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buffer<To>& target) {
+  if (stride == sizeof(From)) {
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      target[i] = static_cast<To>(reinterpret_cast<const From*>(source)[i]);
+  } else {
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      target[i] = static_cast<To>(*reinterpret_cast<const From*>(source + i * stride));
+  }
+  for (std::ptrdiff_t i = count; i % width<To> != 0; ++i) target[i] = target[count - 1];
+}
+template <class From, class To>
+void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, std::ptrdiff_t count) {
+  if (stride == sizeof(To)) {
+    for (std::ptrdiff_t i = 0; i < count; ++i) reinterpret_cast<To*>(target)[i] = static_cast<To>(source[i]);
+  } else {
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      *reinterpret_cast<To*>(target + i * stride) = static_cast<To>(source[i]);
+  }
+}
+
+// What the arguments of a loop are: values and parameters, then results. Wide parameters are float64 always.
+struct block_plan {
+  std::size_t values, inputs, outputs;
+  bool wide_parameters;
+};
+
+// Evaluates n elements, a multiple of the lanes or the last ones filled up, of contiguous arrays.
+template <class Compute>
+using block_kernel = void (*)(const void* context, const Compute* const* in, Compute* const* out,
+                              std::ptrdiff_t n);
+
+// Where parameters are constant the kernel knows them by its context.
+template <class Compute, class T>
+void in_blocks(const block_plan& plan, char* const* args, const std::ptrdiff_t* steps, std::ptrdiff_t n,
+               bool constant, block_kernel<Compute> kernel, const void* context) {
+  constexpr std::size_t most = 16;
+  std::array<buffer<Compute>, most> buffers;
+  std::array<const Compute*, most> in;
+  std::array<Compute*, most> out;
+  for (std::ptrdiff_t first = 0; first < n; first += block) {
+    const std::ptrdiff_t count = std::min(block, n - first);
+    const auto direct = [&](std::size_t a) {
+      return std::is_same_v<T, Compute> && steps[a] == sizeof(T) && count % width<Compute> == 0;
+    };
+    const auto at = [&](std::size_t a) { return args[a] + first * steps[a]; };
+    for (std::size_t a = 0; a < (constant ? plan.values : plan.inputs); ++a) {
+      in[a] = buffers[a].data();
+      if (plan.wide_parameters && a >= plan.values)
+        gather<double>(at(a), steps[a], count, buffers[a]);
+      else if (direct(a))
+        in[a] = reinterpret_cast<const Compute*>(at(a));
+      else
+        gather<T>(at(a), steps[a], count, buffers[a]);
+    }
+    for (std::size_t k = 0; k < plan.outputs; ++k) {
+      const std::size_t a = plan.inputs + k;
+      out[k] = direct(a) ? reinterpret_cast<Compute*>(at(a)) : buffers[a].data();
+    }
+    kernel(context, in.data(), out.data(), count);
+    for (std::size_t a = plan.inputs; a < plan.inputs + plan.outputs; ++a)
+      if (!direct(a)) scatter<Compute, T>(buffers[a], at(a), steps[a], count);
+  }
+}
+
+}  // namespace microfacet::bindings
