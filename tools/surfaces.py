@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, ctx
 from mpmath import mpf
 from remez import Real, array
 
@@ -33,8 +33,9 @@ def fitted(surface: Surface, x: Interval, y: Interval, shape: Shape) -> tuple[li
             matrix.append([(weight * term).mid() for term in terms])
             right.append([(weight * value).mid()])
     m, r = arb_mat(matrix), arb_mat(right)
-    solution = (m.transpose() * m).solve(m.transpose() * r)
-    error = max(float(abs(e)) for e in (m * solution - r).entries())
+    with ctx.workprec(5 * ctx.prec):  # powers are nearly dependent, and the normal equations square that
+        solution = (m.transpose() * m).solve(m.transpose() * r)
+        error = max(float(abs(e)) for e in (m * solution - r).entries())
     return [mpf(c.mid().str(50, radius=False)) for c in solution.entries()], error
 
 

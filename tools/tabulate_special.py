@@ -30,14 +30,12 @@ def h(nu: mpf, y: mpf) -> mpf:
     return 2 * y**nu * mpmath.besselk(nu, 2 * y)
 
 
-def over_density(k: mpf, t: mpf, integrand: Callable[[mpf], mpf], end: mpf | None) -> mpf:
-    """int integrand A(x)^(-k-1/2) dx from t (or from 0 to t) over A(t)^(-k-1/2), A(x) = 1 + x^2/k."""
+def over_density(k: mpf, t: mpf, integrand: Callable[[mpf], mpf]) -> mpf:
+    """int_t^inf integrand A(x)^(-k-1/2) dx over A(t)^(-k-1/2), A(x) = 1 + x^2/k."""
 
     def ratio(x: mpf) -> mpf:
         return integrand(x) * ((k + t * t) / (k + x * x)) ** (k + mpf(1) / 2)
 
-    if end is not None:
-        return mpmath.quad(ratio, [0, t / 4, t / 2, t])
     # x = t + w exp(v) turns the algebraic tail into an exponential one.
     width = mpmath.sqrt(k) + t
     return mpmath.quad(
@@ -47,11 +45,11 @@ def over_density(k: mpf, t: mpf, integrand: Callable[[mpf], mpf], end: mpf | Non
 
 
 def tail(k: mpf, t: mpf) -> mpf:
-    return over_density(k, t, lambda x: mpf(1), None)
+    return over_density(k, t, lambda x: mpf(1))
 
 
 def excess(k: mpf, t: mpf) -> mpf:
-    return over_density(k, t, lambda x: x - t, None)
+    return over_density(k, t, lambda x: x - t)
 
 
 SHAPES = (0.0625, 0.5, 0.75, 1, 1.5, 2.5, 10, 150, 1e4, 1e6)

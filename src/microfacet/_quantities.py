@@ -239,9 +239,9 @@ class Quantities:
             dtype = np.float32 if np.can_cast(xi.dtype, np.float32) else np.float64
             out = np.empty((*xi.shape[:-1], 3), dtype)
         shape = (*xi.shape[:-1], 3)
-        if not isinstance(out, np.ndarray) or out.shape != shape:
+        if np.shape(out) != shape:
             raise ValueError(
-                f"{type(self).__name__}.sample: out must be an array of shape {shape}, got {out!r:.60}"
+                f"{type(self).__name__}.sample: out must have shape {shape}, got {np.shape(out)}"
             )
         kernel, parameters = self._kernel("sample")
         kernel(xi[..., 0], xi[..., 1], *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
