@@ -12,7 +12,7 @@ With z = exp(-q), w = 1 - z, kappa = 1/K, xi = sqrt(q K) and r = Gamma(K + 1/2)/
 
 The leading terms are the limit K -> inf, uniformly in q (N. M. Temme, SIAM J. Math. Anal. 13, 1982); E and S
 are positive and so smooth that polynomials in q and kappa serve. They are fitted by least squares, weighed
-with what an error contributes to the result: exp(-10 q) and less, so that q ends where that is below rounding.
+with what an error contributes to the result: exp(-10 q) and less; q ends where that is below rounding.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ import sys
 import mpmath
 from flint import arb, ctx
 from mpmath import mpf
-from remez import FORMATS, Problem, array, header, minimax, powers, rounded
-from surfaces import Shape, Surface, bivariate, fitted
+from remez import FORMATS, Problem, array, minimax, powers, rounded
+from surfaces import Shape, Surface, bivariate, bivariate_header, fitted
 
 ctx.prec = 400
 mpmath.mp.dps = 60
@@ -120,9 +120,7 @@ def text() -> str:
         *surfaces("excess", "E", excess, EXCESS),
         *surfaces("tail", "S", tail, TAIL),
     ]
-    return header("derive_student.py", parts).replace(
-        "#include <array>\n", '#include <array>\n\n#include "microfacet/special/bivariate.hpp"\n', 1
-    )
+    return bivariate_header("derive_student.py", parts)
 
 
 if __name__ == "__main__":

@@ -85,8 +85,11 @@ TEST(masks) {
 TEST(bits_go_there_and_back) {
   each_pack([]<class Pack> {
     const Pack a = deal<Pack>(1, 0), back = from_bits(bits(a), a);
-    const auto doubled = bits(a) + bits(a), shifted = bits(a) << 1;
-    for (int i = 0; i < Pack::size; ++i) CHECK(same(back[i], a[i]) && doubled[i] == shifted[i]);
+    const auto up = bits(a) << 1, down = bits(a) >> 3;
+    for (int i = 0; i < Pack::size; ++i) {
+      CHECK(same(back[i], a[i]));
+      CHECK(up[i] == mf::elementary::bits(a[i]) << 1 && down[i] == mf::elementary::bits(a[i]) >> 3);
+    }
   });
 }
 

@@ -77,7 +77,8 @@ MICROFACET_INLINE R exp(const R& x) {
 template <class R>
 MICROFACET_INLINE R expm1(const R& x) {
   const reduced<R> e = reduce(x, R(0));
-  const R value = multiply_add(e.power, R(2) * e.excess, R(2) * (e.power - R(0.5)));
+  const R general = R(2) * multiply_add(e.power, e.excess, R(e.power - R(0.5)));
+  const R value = select(e.power == R(0.5), e.excess, general);  // the excess itself, which may be tiny
   return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), R(inf), value));
 }
 
