@@ -72,7 +72,7 @@ ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& s
 // The tables of a density, for as long as someone uses them; none where the parameters lie outside the domain
 // or the tables miss the accuracy contract.
 template <class Model, class Real>
-std::shared_ptr<const radial_tables<Real>> prepared_tables(const double* parameters, unsigned functions) {
+std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameters, unsigned functions) {
   using family = typename Model::family;
   constexpr std::size_t count = Model::count - Model::first, own = family::parameters.size();
   static prepared_cache<Real, count> cache;
@@ -90,6 +90,25 @@ std::shared_ptr<const radial_tables<Real>> prepared_tables(const double* paramet
     };
     build(std::make_index_sequence<count>());
   });
+}
+
+template <class Model, class Real>
+auto prepared_tables(const double* parameters, unsigned functions) {
+  if constexpr (requires { Model::tag::template tables<Real>(0.0); }) {  // tables with a name: radial.hpp
+    return Model::tag::template tables<Real>(parameters[Model::first]);
+  } else {
+    return cached_tables<Model, Real>(parameters, functions);
+  }
+}
+
+// The density that reads such tables.
+template <class Model, class Lanes, class Tables>
+auto table_density(const Tables& tables) {
+  if constexpr (requires { typename Model::tag::template table_density<Lanes>; }) {
+    return typename Model::tag::template table_density<Lanes>(tables);
+  } else {
+    return prepared<typename Model::family, Lanes>(tables);
+  }
 }
 
 }  // namespace microfacet::bindings

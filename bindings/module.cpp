@@ -6,6 +6,7 @@
 
 #include "microfacet/family/all.hpp"
 #include "operations.hpp"
+#include "radial.hpp"
 
 #define MICROFACET_TEXT_OF(MODULE) #MODULE
 #define MICROFACET_TEXT(MODULE) MICROFACET_TEXT_OF(MODULE)
@@ -79,13 +80,24 @@ struct no_model {
   }
 };
 
+bool add_radial_space(PyObject* module) {
+  PyObject* space = PyModule_New("microfacet._core." MICROFACET_NAME ".radial");
+  if (space == nullptr) return false;
+  if (!add_radial(space)) {
+    Py_DECREF(space);
+    return false;
+  }
+  return add(module, "radial", space);
+}
+
 template <class... Tag>
 PyObject* add_families(PyObject* module, const std::tuple<Tag...>&) {
   PyObject* names = PyTuple_New(static_cast<Py_ssize_t>(sizeof...(Tag)));
   Py_ssize_t i = 0;
   const bool complete = (add_family<Tag>(module) && ...);
   (PyTuple_SET_ITEM(names, i++, text(Tag::template type<double>::name)), ...);
-  if (!complete || !add(module, "families", names) || !add_all<no_model, false, exponential>(module, ""))
+  if (!complete || !add(module, "families", names) || !add_radial_space(module) ||
+      !add_all<no_model, false, exponential>(module, ""))
     return nullptr;
   return module;
 }

@@ -133,8 +133,8 @@ struct ufunc_loops {
     const auto tables = prepared_tables<Model, Compute>(numbers.data(), Operation::needs);
     if (tables == nullptr) return false;
     const auto p = constant_parameters<Compute, stored_parameter<T>>(args);
-    const auto d = make_distribution(prepared<typename Model::family, lanes<Compute>>(*tables),
-                                     Model::shape(p.data()), p.data());
+    const auto d =
+        make_distribution(table_density<Model, lanes<Compute>>(*tables), Model::shape(p.data()), p.data());
     in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_constant<Compute, decltype(d)>, &d);
     return true;
   }

@@ -26,6 +26,7 @@ from microfacet._family.ggx import GGX
 from microfacet._family.gtr import GTR
 from microfacet._family.k0 import K0
 from microfacet._family.student_t import StudentT
+from microfacet._radial import RadialNDF
 
 if TYPE_CHECKING:
     from microfacet._fit import FitResult, fit
@@ -40,6 +41,7 @@ __all__ = [
     "Family",
     "FitResult",
     "Parameter",
+    "RadialNDF",
     "StudentT",
     "Surface",
     "SurfaceError",

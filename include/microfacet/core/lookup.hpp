@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <type_traits>
 
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
@@ -10,46 +12,62 @@
 
 namespace microfacet {
 
-// Of the first N numbers of the table.
-template <std::size_t N, std::floating_point T, std::size_t Size>
-MICROFACET_INLINE T lookup(const std::array<T, Size>& table, integer_of<T> index) {
-  return table[static_cast<std::size_t>(index)];
+// The element index mod N of the first N in the table; N is a power of two.
+template <std::size_t N, class Element, std::size_t Size, std::integral I>
+MICROFACET_INLINE Element lookup(const std::array<Element, Size>& table, I index) {
+  return table[static_cast<std::size_t>(index) % N];
+}
+// a >> n without regard to a sign, n chosen lane by lane.
+template <std::integral I>
+MICROFACET_INLINE I shift_right(I a, I n) {
+  return static_cast<I>(static_cast<std::make_unsigned_t<I>>(a) >> n);
 }
 
 #if MICROFACET_VECTOR_EXTENSIONS
 namespace registers {
 
-// clang-format off
-template <std::size_t N, class Vector, class T, class Indices>
-MICROFACET_INLINE Vector lookup(const T* table, const Indices& index) {
+template <std::size_t N, class Vector, class Element, class Indices>
+MICROFACET_INLINE Vector lookup(const Element* table, const Indices& index) {
 #if defined(__AVX512F__)
-  if constexpr (sizeof(Vector) == 64 && sizeof(T) == 4 && N == 16) {
-    return _mm512_permutexvar_ps((__m512i)index, _mm512_loadu_ps(table));
-  } else if constexpr (sizeof(Vector) == 64 && sizeof(T) == 4 && N == 32) {
-    return _mm512_permutex2var_ps(_mm512_loadu_ps(table), (__m512i)index, _mm512_loadu_ps(table + 16));
-  } else if constexpr (sizeof(Vector) == 64 && sizeof(T) == 8 && N == 16) {
-    return _mm512_permutex2var_pd(_mm512_loadu_pd(table), (__m512i)index, _mm512_loadu_pd(table + 8));
-  } else if constexpr (sizeof(Vector) == 64 && sizeof(T) == 8 && N == 32) {
-    const __m512d lower = _mm512_permutex2var_pd(_mm512_loadu_pd(table), (__m512i)index, _mm512_loadu_pd(table + 8));
-    const __m512d upper = _mm512_permutex2var_pd(_mm512_loadu_pd(table + 16), (__m512i)index, _mm512_loadu_pd(table + 24));
-    return _mm512_mask_blend_pd(_mm512_test_epi64_mask((__m512i)index, _mm512_set1_epi64(16)), lower, upper);
-  } else
-#endif
-  {
-    Vector result;
-    for (std::size_t i = 0; i < sizeof(Vector) / sizeof(T); ++i) result[i] = table[index[i]];
-    return result;
+  if constexpr (sizeof(Vector) == 64) {
+    const auto at = std::bit_cast<__m512i>(index);
+    const auto part = [table](std::size_t i) { return _mm512_loadu_si512(table + i * 64 / sizeof(Element)); };
+    if constexpr (sizeof(Element) == 4 && N == 16) {
+      return std::bit_cast<Vector>(_mm512_permutexvar_epi32(at, part(0)));
+    } else if constexpr (sizeof(Element) == 4 && N == 32) {
+      return std::bit_cast<Vector>(_mm512_permutex2var_epi32(part(0), at, part(1)));
+    } else if constexpr (sizeof(Element) == 8 && N == 16) {
+      return std::bit_cast<Vector>(_mm512_permutex2var_epi64(part(0), at, part(1)));
+    } else if constexpr (sizeof(Element) == 8 && N == 32) {
+      const __m512i lower = _mm512_permutex2var_epi64(part(0), at, part(1));
+      const __m512i upper = _mm512_permutex2var_epi64(part(2), at, part(3));
+      const __mmask8 second = _mm512_test_epi64_mask(at, _mm512_set1_epi64(16));
+      return std::bit_cast<Vector>(_mm512_mask_blend_epi64(second, lower, upper));
+    }
   }
+#endif
+  Vector result;
+  for (std::size_t i = 0; i < sizeof(Vector) / sizeof(Element); ++i)
+    result[i] = table[static_cast<std::size_t>(index[i]) % N];
+  return result;
 }
-// clang-format on
 
 }  // namespace registers
 
-template <std::size_t N, class T, std::size_t Size, class I, std::size_t B, int K>
-MICROFACET_INLINE pack<T, B, K> lookup(const std::array<T, Size>& table, const pack<I, B, K>& index) {
-  using result = pack<T, B, K>;
-  return result::from(
-      [&](int k) { return registers::lookup<N, typename result::vector>(table.data(), index.v[k]); });
+template <std::size_t N, class Element, std::size_t Size, class I, std::size_t B, int K>
+MICROFACET_INLINE pack<Element, B, K> lookup(const std::array<Element, Size>& table,
+                                             const pack<I, B, K>& index) {
+  using vector = typename pack<Element, B, K>::vector;
+  return pack<Element, B, K>::from(
+      [&](int k) { return registers::lookup<N, vector>(table.data(), index.v[k]); });
+}
+template <std::integral I, std::size_t B, int K>
+MICROFACET_INLINE pack<I, B, K> shift_right(const pack<I, B, K>& a, const pack<I, B, K>& n) {
+  using vector = typename pack<I, B, K>::vector;
+  typedef std::make_unsigned_t<I> plain __attribute__((vector_size(B)));
+  return pack<I, B, K>::from([&](int k) {
+    return std::bit_cast<vector>(std::bit_cast<plain>(a.v[k]) >> std::bit_cast<plain>(n.v[k]));
+  });
 }
 #endif
 

@@ -1,13 +1,15 @@
 // A positive function of x > 0 as piecewise polynomials of log f in log x. In these variables a power law is
 // straight, and what lies between two power laws is smooth: few pieces reach from the least number to the
 // largest. In each, f = f(centre) exp(v p(v)), v = log x - centre, so that nothing large is ever rounded: an
-// f of 1e-300 keeps its digits.
+// f of 1e-300 keeps its digits. The piece of an x follows from its leading bits, without a search: pieces end
+// where those change, at powers of two or halves between them.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <limits>
+#include <cstdint>
 
-#include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/lookup.hpp"
 #include "microfacet/core/math.hpp"
@@ -15,99 +17,165 @@
 
 namespace microfacet {
 
-// Pieces: 32. Terms: coefficients of p.
-template <class T, std::size_t Pieces, std::size_t Terms>
+// Terms: coefficients of p.
+template <class T, std::size_t Terms>
 struct piecewise {
-  static_assert(Terms >= 3);
-  static constexpr std::size_t pieces = Pieces, terms = Terms;
+  static_assert(Terms >= 4);
+  static constexpr std::size_t most_pieces = 32, terms = Terms;
   using real = T;
-  using row = std::array<T, Pieces>;
+  using bits_type = integer_of<T>;
+  using row = std::array<T, most_pieces>;
 
-  alignas(
-      64) row start{};  // x from which on a piece holds, ascending; start[0] is not looked at, unused are inf
-  row centre{};         // log x with so few digits that n ln2_high - centre is exact
-  row twice_value{};    // 2 f(centre)
+  // Up to 16 pieces are looked up from half of each row, and their numbers take 4 bits each in the map,
+  // else 8.
+  static constexpr std::size_t words = 128 / sizeof(T);
+  static constexpr int bits_of_number(bool few) { return few ? 4 : 8; }
+  static constexpr std::size_t cells(bool few) {
+    return words * sizeof(T) * 8 / static_cast<std::size_t>(bits_of_number(few));
+  }
+
+  alignas(64) row centre{};  // log x with so few digits that n ln2_high - centre is exact
+  row twice_value{};         // 2 f(centre)
   std::array<row, Terms> coefficient{};
-  T lower{1}, upper{1};  // normal numbers: f(0) below the one, f(upper) above the other
-  T at_zero{};
+  // The piece of each cell, by its number mod cells: k >> shift, k = bits(x) - base, above the base, and
+  // below it, where all is smoother, k >> (shift + coarser).
+  static constexpr int coarser = 6;
+  std::array<bits_type, words> map{};
+  bits_type base{};
+  int shift = 0;
+  bool few = true;
+  T last{1};                            // an x in the last cell: what lies beyond belongs to it
+  T lower{1}, at_zero{};                // below `lower`, a normal number, f is at_zero
   double error = inf, far_error = inf;  // largest relative errors found, near f = 1 and far from it
 
-  bool few = false;  // at most half of the pieces are in use
-
+  // factor f(x), where the factor is large if f(x) underflows. What the leading bits of 0, inf and nan give
+  // is finite, or left out.
+  template <class R>
+  MICROFACET_INLINE R operator()(const twofold<R>& x, const R& factor) const {
+    const R f = few ? value<true>(x, factor) : value<false>(x, factor);
+    return select(x.high >= R(lower), f, R(R(at_zero) * factor + (x.high - x.high)));
+  }
   template <class R>
   MICROFACET_INLINE R operator()(const twofold<R>& x) const {
-    const R inside = minimum(maximum(x.high, R(lower)), R(upper));
-    const R f = few ? value<Pieces / 2>(inside, x.low) : value<Pieces>(inside, x.low);
-    return select(x.high < R(lower), R(at_zero), f);
+    const R f = few ? value<true>(x, R(1)) : value<false>(x, R(1));
+    return select(x.high >= R(lower), f, R(R(at_zero) + (x.high - x.high)));
   }
-  // f(x^2) for x^2 below any piece but the first: also where x^2 is no normal number any more.
+  // f(x^2), also where x^2 is no normal number: the first piece, which the map leaves out, holds there.
   template <class R>
-  MICROFACET_INLINE R of_small_root(const R& x) const {
-    const R inside = minimum(maximum(x, smallest<R>()), R(1));
-    const R f =
-        polynomial_of<Pieces / 2>(log_less<2>(inside, R(0), R(centre[0])), elementary::integers<R>(0));
-    return select(x < smallest<R>(), R(at_zero), f);
+  MICROFACET_INLINE R of_root(const R& x) const {
+    const twofold<R> x2 = exact_product(x, x);
+    const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_less<2>(inside, R(0), R(centre[0]));
+    const R near = polynomial_of<true>(v, elementary::integers<R>(0), R(1));
+    const R f = select(x2.high >= R(lower), (*this)(x2), near);
+    return select(x >= smallest<R>(), f, R(R(at_zero) + (x - x)));
+  }
+
+  // A cell's piece and first x; for the builder.
+  void set(std::ptrdiff_t cell, std::size_t number) {
+    const std::size_t width = static_cast<std::size_t>(bits_of_number(few)), in_word = sizeof(T) * 8 / width;
+    const std::size_t at = static_cast<std::size_t>(cell) % cells(few);
+    using word = std::make_unsigned_t<bits_type>;
+    word& w = reinterpret_cast<word&>(map[at / in_word]);
+    w |= static_cast<word>(number) << at % in_word * width;
+  }
+  T start(std::ptrdiff_t cell) const {
+    return std::bit_cast<T>(static_cast<bits_type>(
+        base + static_cast<bits_type>(cell) * (bits_type(1) << (cell < 0 ? shift + coarser : shift))));
   }
 
  private:
-  template <std::size_t N, class R>
-  MICROFACET_INLINE R value(const R& x, const R& low) const {
-    const elementary::integers<R> i = piece<N>(x);
-    return polynomial_of<N>(log_less<1>(x, low, lookup<N>(centre, i)), i);
+  template <bool Few, class R>
+  MICROFACET_INLINE R value(const twofold<R>& x, const R& factor) const {
+    // Infinity would lie far beyond the last piece, with a low that is nan.
+    constexpr T most = std::numeric_limits<T>::max() / 4;
+    const auto finite = x.high < R(most);
+    const R high = select(finite, x.high, R(most)), low = select(finite, x.low, R(0));
+    const elementary::integers<R> i = piece<Few>(high);
+    return polynomial_of<Few>(log_less<1>(high, low, lookup<pieces<Few>>(centre, i)), i, factor);
   }
+  template <bool Few>
+  static constexpr std::size_t pieces = Few ? most_pieces / 2 : most_pieces;
 
-  template <std::size_t N, class R>
-  MICROFACET_INLINE R polynomial_of(const R& v, const elementary::integers<R>& i) const {
-    // Even and odd powers apart: two chains of half the length.
-    constexpr std::size_t last_even = (Terms - 1) / 2 * 2, last_odd = Terms / 2 * 2 - 1;
-    const R v2 = v * v;
-    R even = lookup<N>(coefficient[last_even], i), odd = lookup<N>(coefficient[last_odd], i);
-    for (std::size_t k = last_even; k >= 2; k -= 2)
-      even = multiply_add(even, v2, lookup<N>(coefficient[k - 2], i));
-    for (std::size_t k = last_odd; k >= 3; k -= 2)
-      odd = multiply_add(odd, v2, lookup<N>(coefficient[k - 2], i));
-    const elementary::reduced<R> e = elementary::reduce(R(v * multiply_add(odd, v, even)), R(0));
-    const R scale = lookup<N>(twice_value, i) * e.power;
-    return multiply_add(scale, e.excess, scale);
+  // The number of the piece in its lowest bits.
+  template <bool Few, class R>
+  MICROFACET_INLINE elementary::integers<R> piece(const R& x) const {
+    using integers = elementary::integers<R>;
+    using elementary::bits;
+    constexpr int number = bits_of_number(Few) == 4 ? 2 : 3, word = (sizeof(T) == 4 ? 5 : 6) - number;
+    const integers fine = bits(minimum(x, R(last))) - integers(base),
+                   k = larger(fine, integers(fine >> coarser));
+    const integers at = integers(k >> (shift - number)) & integers(((1 << word) - 1) << number);
+    return shift_right(lookup<words>(map, integers(k >> (shift + word))), at);
   }
+  MICROFACET_INLINE static bits_type larger(bits_type a, bits_type b) { return a > b ? a : b; }
+#if MICROFACET_VECTOR_EXTENSIONS
+  template <class I>
+  MICROFACET_INLINE static I larger(const I& a, const I& b) {
+    return select(a > b, a, b);
+  }
+#endif
 
-  // Times log(x + low) - centre, for x positive and normal.
+  // Times log(x + low) - centre, for x positive and normal: x = 2^n (1 + e).
   template <int Times, class R>
   MICROFACET_INLINE static R log_less(const R& x, const R& low, const R& centre) {
     using f = elementary::format<R>;
     using integers = elementary::integers<R>;
     using elementary::bits;
     using elementary::from_bits;
-    const integers n = (bits(x) - integers(f::sqrt_half)) >> f::mantissa, shift = n << f::mantissa;
-    const R m = from_bits(integers(bits(x) - shift), x),
-            power = from_bits(integers(integers(bits(R(1))) - shift), x);
-    const R real_n = from_bits(integers(integers(bits(R(f::round))) + n), x) - R(f::round);
-    const R e = multiply_add(low, power, R(m - R(1))), s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
-    const R less = half - s * multiply_add(s2, polynomial(f::log, s2), half);
-    const R rest = multiply_add(real_n, R(-f::ln2_low), less);
-    return multiply_add(R(R(Times) * real_n), R(f::ln2_high), R(-centre)) + R(Times) * e - R(Times) * rest;
+    if constexpr (sizeof(T) == 4) {
+      // log(1 + e) = e + e^2 (e Q(e) - 1/2), without the division, for which a float32 is too short.
+      const integers shifted = bits(x) - integers(f::sqrt_half);
+      const integers exponent = shifted & integers(~((bits_type(1) << f::mantissa) - 1));
+      const R power = from_bits(integers(integers(elementary::bits(T(1))) - exponent), x);
+      const R n = from_bits(integers((shifted >> f::mantissa) + integers(elementary::bits(T(f::round)))), x) -
+                  R(f::round);
+      const R e = multiply_add(low, power, R(from_bits(integers(bits(x) - exponent), x) - R(1)));
+      const auto& q = coefficients::log_polynomial_32;
+      const R bend =
+          multiply_add(interleaved<q.size()>([&q](std::size_t k) { return R(q[k]); }, e), e, R(-0.5));
+      const R rest = multiply_add(R(e * e), bend, R(R(f::ln2_low) * n));
+      return multiply_add(R(R(Times) * n), R(f::ln2_high), R(-centre)) + R(Times) * e + R(Times) * rest;
+    } else {
+      const elementary::reduced_logarithm<R> l = elementary::reduce_log(x, low);
+      const R rest = multiply_add(l.n, R(-f::ln2_low), l.less), n = R(Times) * l.n;
+      return multiply_add(n, R(f::ln2_high), R(-centre)) + R(Times) * l.e - R(Times) * rest;
+    }
   }
 
-  template <std::size_t N, class R>
-  MICROFACET_INLINE elementary::integers<R> piece(const R& x) const {
+  // f(centre) exp(v p(v)): abs(v p(v)) < 700 in float64, 30 in float32, so that no power of two overflows.
+  template <bool Few, class R>
+  MICROFACET_INLINE R polynomial_of(const R& v, const elementary::integers<R>& i, const R& factor) const {
+    using format = elementary::format<R>;
     using integers = elementary::integers<R>;
-    integers i = after(x >= R(start[N / 2]), integers(0), integers(N / 2));
-    for (std::size_t step = N / 4; step > 0; step /= 2) {
-      const integers next = i + integers(step);
-      i = after(x >= lookup<N>(start, next), i, next);
-    }
-    return i;
+    using elementary::bits;
+    using elementary::from_bits;
+    const auto c = [&](std::size_t k) { return lookup<pieces<Few>>(coefficient[k], i); };
+    const R t = v * interleaved<Terms>(c, v);
+    const R shifted = multiply_add(t, R(std::numbers::log2e), R(format::round)),
+            n = shifted - R(format::round);
+    const R r = multiply_add(n, R(-std::numbers::ln2), t);
+    const R excess = multiply_add(
+        R(r * r), interleaved<format::exp.size()>([](std::size_t k) { return R(format::exp[k]); }, r), r);
+    const R power = from_bits(integers((bits(shifted) << format::mantissa) + integers(format::half)), t);
+    const R scale = lookup<pieces<Few>>(twice_value, i) * factor * power;
+    return multiply_add(scale, excess, scale);
   }
-  template <class I>
-  MICROFACET_INLINE static I after(bool passed, I i, I next) {
-    return passed ? next : i;
+
+  // sum_k c(k) x^k in two chains, for up to 10 terms, or four: what is wanted soon is no long chain.
+  template <std::size_t N, class Coefficients, class R>
+  MICROFACET_INLINE static R interleaved(const Coefficients& c, const R& x) {
+    constexpr std::size_t chains = N > 10 ? 4 : 2;
+    const R x2 = x * x, step = chains == 4 ? R(x2 * x2) : x2;
+    const auto chain = [&](std::size_t first) {
+      std::size_t k = first + (N - 1 - first) / chains * chains;
+      R sum = c(k);
+      while (k >= chains) k -= chains, sum = multiply_add(sum, step, c(k));
+      return sum;
+    };
+    const R low = multiply_add(chain(1), x, chain(0));
+    if constexpr (chains == 2) return low;
+    return multiply_add(R(multiply_add(chain(chains - 1), x, chain(chains - 2))), x2, low);
   }
-#if MICROFACET_VECTOR_EXTENSIONS
-  template <class I>
-  MICROFACET_INLINE static I after(const I& passed, const I& i, const I& next) {
-    return select(passed, next, i);
-  }
-#endif
 };
 
 }  // namespace microfacet

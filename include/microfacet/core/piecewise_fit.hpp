@@ -1,240 +1,201 @@
 // Builds a piecewise table from a function that is given in double precision: piece after piece from the
-// left, each as wide as Chebyshev interpolation of log f reaches the precision wanted (Trefethen,
+// left, each over as many cells as Chebyshev interpolation of log f reaches the precision wanted (Trefethen,
 // Approximation Theory and Approximation Practice, 2013). Then the table itself is measured between the
 // nodes.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
+#include "microfacet/core/interpolant.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/piecewise.hpp"
 
 namespace microfacet {
 
-namespace detail {
-
-// cos(pi k/(2 n)) for k < 4 n.
-template <std::size_t N>
-constexpr std::array<double, 4 * N> quarter_waves() {
-  std::array<double, 4 * N> table{};
-  for (std::size_t k = 0; k < 4 * N; ++k) {
-    // cos is even about 0 and odd about pi/2: an argument in [0, pi/2], and Taylor's series there.
-    const std::size_t j = k <= 2 * N ? k : 4 * N - k, i = j <= N ? j : 2 * N - j;
-    const double x = 0.5 * pi * static_cast<double>(i) / static_cast<double>(N), x2 = x * x;
-    double sum = 1;
-    for (int m = 26; m > 0; m -= 2) sum = 1 - sum * x2 / (m * (m - 1));
-    table[k] = i == N ? 0 : j <= N ? sum : -sum;
-  }
-  return table;
-}
-
-}  // namespace detail
-
-// Where f is to be met, in L = log x: pieces from `lower`, the first up to `first_end` if that is larger, to
-// `upper`. Above, f goes on as a power of x; where it falls below `least`, it ends. f(0) stands below
-// `lower`.
+// Where f is to be met, in L = log x: from `lower` to `upper`, with a piece for of_root down to twice
+// `lower` if `roots`. Above, f goes on as a power of x; where it falls below `least`, it ends. Below `lower`
+// it is f(0). `inside` is an L at which f is neither huge nor tiny. Errors are near ones where abs(log f) <
+// `central`.
 struct fit_range {
-  double lower, first_end, upper, at_zero, least;
-};
-
-// Relative errors of interpolation that count as none: near f = 1, where abs(log f) < central, and far from
-// it. The polynomial itself is rounded by its swing, the largest abs(log(f/f(centre))).
-template <class T>
-struct fit_precision;
-template <>
-struct fit_precision<float> {
-  static constexpr double error = 6e-8, far_error = 2e-6, central = 20, swing = 2.5, far_swing = 20,
-                          rounding = 0;
-  static constexpr double grid = 0x1p16;  // of centres
-};
-template <>
-struct fit_precision<double> {
-  static constexpr double error = 5e-15, far_error = 1e-13, central = 50, swing = 30, far_swing = 300;
-  static constexpr double rounding = 2.5e-16, grid = 0x1p40;
+  double lower, upper, inside, at_zero, least, central;
+  bool roots = false;
 };
 
 // sample(L, f, n) stores f(exp(L[i])) for i < n <= 32.
 template <class Table, class Sample>
 class piecewise_fit {
   using T = typename Table::real;
-  using limits = fit_precision<T>;
+  using bits_type = typename Table::bits_type;
+  using polynomial = interpolant<T, Table::terms + 1>;
   static constexpr std::size_t nodes = Table::terms + 1;
-  static constexpr auto waves = detail::quarter_waves<nodes>();
+  static constexpr double tolerated = 6;  // excess, which may be rounding, of a piece of one cell
 
  public:
   piecewise_fit(const Sample& sample, const fit_range& range) : sample_(sample), range_(range) {}
 
   // What does not reach the precision wanted with the pieces there are has an infinite error.
   Table operator()() {
-    const double end = reach(range_.first_end, range_.upper, [this](double f) { return f >= range_.least; });
-    double from = reach(range_.first_end, range_.lower, [](double f) { return f >= 1e-300 && f <= 1e300; });
-    double width = std::max(range_.first_end - from, 0.25 * (end - from));
-    table_.start.fill(std::numeric_limits<T>::infinity());
-    table_.error = table_.far_error = 0;
-    while (end - from > 4 / limits::grid) {
-      const bool first = range_.first_end - from > 4 / limits::grid;
-      if (count_ + 1 == Table::pieces || !widest(from, first ? range_.first_end : end, width)) {
-        table_.error = inf;
-        break;
+    constexpr int octave = std::numeric_limits<T>::digits - 1;
+    const double lowest = range_.roots ? 2 * range_.lower : range_.lower;
+    const auto in_range = [this](double, double f) { return f >= range_.least && f <= most(); };
+    low_ = reach(sample_, range_.inside, lowest, in_range);
+    high_ = reach(sample_, range_.inside, range_.upper, in_range);
+    goes_on_ = high_ >= range_.upper;
+    if (goes_on_) find_power();
+    for (const bool few : {true, false}) {
+      for (int shift = octave - 2; shift <= octave + 1; ++shift) {
+        if (!pieces(few, shift)) continue;
+        table_.error = table_.far_error = 0;
+        for (std::size_t i = 0; i < count_; ++i) measure(i);
+        return table_;
       }
-      accept();
-      from = met_.centre + met_.half;
-      measure();
     }
-    finish(end, from);
     return table_;
   }
-  int evaluations = 0;
 
  private:
-  struct interpolant {
-    double centre = 0, half = 0, reference = 1, excess = inf;  // excess: error over what is allowed
-    std::array<double, nodes> chebyshev{};
-  };
+  static double most() { return 0.01 * static_cast<double>(std::numeric_limits<T>::max()); }
 
-  void sample(const double* at, double* f, std::size_t n) {
-    sample_(at, f, static_cast<int>(n));
-    evaluations += static_cast<int>(n);
-  }
+  bool pieces(bool few, int shift) {
+    table_ = Table();
+    table_.few = few, table_.shift = shift;
+    table_.at_zero = static_cast<T>(range_.at_zero);
+    count_ = 0, guess_ = 1;
+    // The last cell begins where the pieces end, unless there are more cells than numbers below.
+    const bits_type least = std::bit_cast<bits_type>(std::numeric_limits<T>::min());
+    const bits_type end = std::bit_cast<bits_type>(static_cast<T>(std::exp(high_)));
+    const auto in_cells = [](bits_type n, int width) { return static_cast<std::ptrdiff_t>(n >> width); };
+    const std::ptrdiff_t coarse = in_cells(end, shift + Table::coarser) + 1;
+    const std::ptrdiff_t fine = static_cast<std::ptrdiff_t>(Table::cells(few)) - coarse;
+    if (fine < 8) return false;
+    const std::ptrdiff_t below = std::min(fine - 1, in_cells(end - least, shift));
+    table_.base = end - (static_cast<bits_type>(below) << shift);
+    table_.last = static_cast<T>(std::exp(std::min(high_ + 0.1, 88.0)));
 
-  // The last L up to which f is `inside`, if it is so at `from`: by sections, all points of one at a time.
-  template <class Inside>
-  double reach(double from, double to, const Inside& inside) {
-    constexpr std::size_t points = 16;
-    for (int round = 0; round < 4; ++round) {
-      std::array<double, points> at, f;
-      for (std::size_t i = 0; i < points; ++i)
-        at[i] = from + (to - from) * static_cast<double>(i + 1) / points;
-      sample(at.data(), f.data(), points);
-      const auto i = static_cast<std::size_t>(std::find_if_not(f.begin(), f.end(), inside) - f.begin());
-      if (i == points) return to;
-      to = at[i];
-      if (i > 0) from = at[i - 1];
+    double from = low_;
+    if (range_.roots) {
+      if (!accept(polynomial::fit(sample_, low_, range_.lower, range_.central))) return false;
+      from = range_.lower;
     }
-    return from;
+    table_.lower = std::max(static_cast<T>(std::exp(from)), std::numeric_limits<T>::min());
+    for (std::ptrdiff_t cell = first_cell(from, coarse); cell < below;) {
+      const std::size_t number = count_;
+      const std::ptrdiff_t n = widest(cell, below, from);
+      if (n == 0 || !accept(met_)) return false;
+      for (const std::ptrdiff_t to = cell + n; cell < to; ++cell) table_.set(cell, number);
+      from = edge(cell);
+    }
+    if (count_ == pieces_at_most()) return false;
+    for (std::ptrdiff_t cell = below; cell < fine; ++cell) table_.set(cell, count_);
+    if (goes_on_) {
+      table_.centre[count_] = static_cast<T>(high_);
+      table_.twice_value[count_] = static_cast<T>(2 * end_value_);
+      table_.coefficient[0][count_] = static_cast<T>(power_);
+    }
+    return true;
+  }
+  std::size_t pieces_at_most() const { return table_.few ? Table::most_pieces / 2 : Table::most_pieces; }
+  double edge(std::ptrdiff_t cell) const { return std::log(static_cast<double>(table_.start(cell))); }
+  // The cell in which exp(from) lies: the first whose end lies beyond.
+  std::ptrdiff_t first_cell(double from, std::ptrdiff_t coarse) const {
+    std::ptrdiff_t cell = -coarse;
+    while (!(table_.start(cell + 1) > 0) || edge(cell + 1) <= from + 1e-3) ++cell;
+    return cell;
   }
 
-  // The widest piece from a on that is met, nearly: the order of convergence predicts it, and where rounding
-  // hides that, doubling and halving find it.
-  bool widest(double a, double end, double& width) {
-    double failed = inf;
-    met_ = interpolant();
-    for (int tries = 0; tries < 40; ++tries) {
-      const interpolant now = interpolate(a, std::min(a + width, end));
-      const double growth = 0.97 * std::pow(std::max(now.excess, 1e-30), -1.0 / nodes), tried = 2 * now.half;
-      if (now.excess <= 1) {
-        met_ = now;
-        width =
-            std::min(tried * std::clamp(growth, now.excess < 0.3 ? 1.5 : 1.0, 6.0), 0.5 * (tried + failed));
+  // How many cells from `cell` on the widest piece that is met takes, nearly: the order of convergence
+  // predicts it, and where rounding hides that, doubling and halving find it.
+  std::ptrdiff_t widest(std::ptrdiff_t cell, std::ptrdiff_t end, double from) {
+    const std::ptrdiff_t most = end - cell;
+    std::ptrdiff_t met = 0, failed = most + 1, n = std::clamp<std::ptrdiff_t>(guess_, 1, most);
+    while (n > met && n < failed) {
+      const polynomial now = polynomial::fit(sample_, from, edge(cell + n), range_.central);
+      const double excess = std::max(now.excess, now.wide), width = 2 * now.half;
+      const double growth = 0.97 * std::pow(std::max(excess, 1e-30), -1.0 / nodes);
+      const auto in_cells = [&](double factor) {
+        std::ptrdiff_t k = n;
+        if (factor > 1)
+          while (k < most && edge(cell + k + 1) <= from + factor * width) ++k;
+        else
+          while (k > 1 && edge(cell + k) > from + factor * width) --k;
+        return k;
+      };
+      if (excess <= 1 || (n == 1 && excess <= tolerated)) {
+        met = n, met_ = now;
+        const bool easy = excess < 0.5;
+        n = std::max(in_cells(std::clamp(growth, easy ? 1.5 : 1.0, 6.0)), easy ? n + 1 : n);
+        n = std::min({n, most, (met + failed) / 2});
       } else {
-        failed = tried;
-        width = std::max(tried * std::clamp(growth, 0.2, 0.9), 0.5 * (2 * met_.half + tried));
+        failed = n;
+        n = std::max(in_cells(std::clamp(growth, 0.2, 1.0)), (met + n) / 2);
+        if (n == failed) --n;
       }
-      const double least = 2 * met_.half;
-      if (met_.excess <= 1 && (a + least >= end || width < 1.15 * least)) break;
+      if (met > 0 && failed - met <= 1 + met / 8) break;
     }
-    width = 2 * met_.half;
-    return met_.excess <= 1;
+    return guess_ = met;
   }
 
-  interpolant interpolate(double a, double b) {
-    interpolant p;
-    p.centre = std::round(0.5 * (a + b) * limits::grid) / limits::grid;
-    p.half = p.centre - a;
-    std::array<double, nodes> at, f, t;
-    for (std::size_t j = 0; j < nodes; ++j) at[j] = p.centre + p.half * waves[2 * j + 1];
-    sample(at.data(), f.data(), nodes);
-    p.reference = f[nodes / 2];
-    double swing = 0;
-    for (std::size_t j = 0; j < nodes; ++j) {
-      t[j] = std::log(f[j] / p.reference);
-      swing = std::max(swing, std::abs(t[j]));
-    }
-    for (std::size_t k = 0; k < nodes; ++k) {
-      double sum = 0;
-      for (std::size_t j = 0; j < nodes; ++j) sum += t[j] * waves[k * (2 * j + 1) % (4 * nodes)];
-      p.chebyshev[k] = sum * (k == 0 ? 1.0 : 2.0) / static_cast<double>(nodes);
-    }
-    const bool far = is_far(f.front()) && is_far(f.back());
-    const double rest = std::max(std::abs(p.chebyshev[nodes - 1]), 0.2 * std::abs(p.chebyshev[nodes - 2]));
-    const double wide =
-        std::pow(swing / (far ? limits::far_swing : limits::swing), static_cast<double>(nodes));
-    const double allowed = (far ? limits::far_error : limits::error) + limits::rounding * swing;
-    p.excess = std::max(rest / allowed, wide);
-    if (!(p.excess < inf)) p.excess = 1e30;
-    return p;
-  }
-  static bool is_far(double f) { return std::abs(std::log(f)) > limits::central; }
-
-  // T_k as sums of powers, times the coefficients, in units of L.
-  void accept() {
-    std::array<double, nodes> sum{}, before{}, now{}, next{};
-    before[0] = 1, now[1] = 1;
-    sum[0] = met_.chebyshev[0], sum[1] = met_.chebyshev[1];
-    for (std::size_t k = 2; k < nodes; ++k) {
-      next[0] = -before[0];
-      for (std::size_t i = 1; i <= k; ++i) next[i] = 2 * now[i - 1] - before[i];
-      before = now, now = next;
-      for (std::size_t i = 0; i <= k; ++i) sum[i] += met_.chebyshev[k] * now[i];
-    }
-    const std::size_t i = count_++;
-    table_.start[i] = static_cast<T>(std::exp(met_.centre - met_.half));
-    table_.centre[i] = static_cast<T>(met_.centre);
-    table_.twice_value[i] = static_cast<T>(2 * met_.reference * std::exp(sum[0]));
-    double scale = 1;
+  bool accept(const polynomial& p) {
+    if (!(p.excess <= tolerated) || count_ == pieces_at_most()) return false;
+    const auto powers = p.powers();
+    table_.centre[count_] = static_cast<T>(p.centre);
+    table_.twice_value[count_] = static_cast<T>(2 * p.reference * std::exp(powers[0]));
     for (std::size_t k = 0; k < Table::terms; ++k)
-      table_.coefficient[k][i] = static_cast<T>(sum[k + 1] * (scale /= met_.half));
+      table_.coefficient[k][count_] = static_cast<T>(powers[k + 1]);
+    halves_[count_++] = p.half;
+    return true;
+  }
+
+  // Moves the upper end to where f is a power of x from there on.
+  void find_power() {
+    std::array<double, 2> at{range_.upper - 8, range_.upper}, f;
+    sample_(at.data(), f.data(), 2);
+    power_ = std::log(f[1] / f[0]) / 8;
+    const double high = reach(sample_, range_.upper, range_.inside, [&](double L, double value) {
+      const double swing = std::log(value / f[1]);
+      return std::abs(swing - power_ * (L - range_.upper)) <=
+             polynomial::allowed(value, swing, range_.central);
+    });
+    at = {std::ceil(high), range_.upper};
+    sample_(at.data(), f.data(), 2);
+    high_ = at[0], end_value_ = f[0];
+    if (at[1] > at[0]) power_ = std::log(f[1] / f[0]) / (at[1] - at[0]);
   }
 
   // The table as it is used, half way between the nodes.
-  void measure() {
-    table_.lower = table_.start[0];
-    table_.upper = std::numeric_limits<T>::max();
+  void measure(std::size_t i) {
     constexpr std::size_t points = nodes / 2;
+    const bool root = range_.roots && i == 0;
     std::array<double, points> at, f;
-    for (std::size_t i = 0; i < points; ++i) at[i] = met_.centre + met_.half * waves[4 * i + 2];
-    sample(at.data(), f.data(), points);
-    for (std::size_t i = 0; i < points; ++i) {
-      const double x = elementary::exp(at[i]);
-      if (x < std::numeric_limits<T>::min() || x > std::numeric_limits<T>::max()) continue;
-      const T high = static_cast<T>(x);
-      const double got = table_(twofold<T>(high, static_cast<T>(x - static_cast<double>(high))));
-      const double error = std::abs(got / f[i] - 1);
-      double& most = is_far(f[i]) ? table_.far_error : table_.error;
+    for (std::size_t k = 0; k < points; ++k)
+      at[k] = static_cast<double>(table_.centre[i]) + halves_[i] * polynomial::waves[4 * k + 2];
+    sample_(at.data(), f.data(), points);
+    for (std::size_t k = 0; k < points; ++k) {
+      const double x = elementary::exp(root ? 0.5 * at[k] : at[k]);
+      const T high = static_cast<T>(x), low = static_cast<T>(x - static_cast<double>(high));
+      if (high < (root ? std::numeric_limits<T>::min() : table_.lower)) continue;
+      if (f[k] < 4 * std::numeric_limits<T>::min()) continue;
+      const double got = root ? table_.of_root(high) : table_(twofold<T>(high, low));
+      const double error = std::abs(got / f[k] - 1);
+      double& most = std::abs(std::log(f[k])) > range_.central ? table_.far_error : table_.error;
       if (!(error <= most)) most = error;
     }
-  }
-
-  // Beyond the last piece f is 0, or a power.
-  void finish(double end, double from) {
-    const bool vanishes = end < range_.upper;
-    const std::size_t i = count_;
-    if (i < Table::pieces) {
-      const double centre = std::round(from * limits::grid) / limits::grid;
-      table_.start[i] = static_cast<T>(std::exp(from));
-      table_.centre[i] = static_cast<T>(centre);
-      if (!vanishes) {
-        std::array<double, 2> at{from - 8, centre}, f;
-        sample(at.data(), f.data(), 2);
-        table_.twice_value[i] = static_cast<T>(2 * f[1]);
-        table_.coefficient[0][i] = static_cast<T>(std::log(f[1] / f[0]) / (at[1] - at[0]));
-      }
-    }
-    table_.few = count_ < Table::pieces / 2;  // and what lies beyond the last
-    table_.lower = std::max(table_.start[0], std::numeric_limits<T>::min());
-    table_.upper = static_cast<T>(vanishes ? 4 * std::exp(end) : std::numeric_limits<T>::max());
-    table_.at_zero = static_cast<T>(range_.at_zero);
   }
 
   const Sample& sample_;
   fit_range range_;
   Table table_;
-  interpolant met_;
+  polynomial met_;
+  std::array<double, Table::most_pieces> halves_{};
+  double low_ = 0, high_ = 0, power_ = 0, end_value_ = 0;
+  bool goes_on_ = false;
   std::size_t count_ = 0;
+  std::ptrdiff_t guess_ = 1;
 };
 
 }  // namespace microfacet

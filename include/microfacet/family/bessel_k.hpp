@@ -46,8 +46,9 @@ class bessel_radial {
   }
 
   // Newton's method: below the median on log(1 - survival) against log y, above on log(survival) against y.
-  T inverse(const T& xi) const {
+  T inverse(const T& xi_argument) const {
     constexpr int most = 80;
+    const T xi = maximum(xi_argument, T(T(4096) * smallest<T>()));  // its square root's powers stay normal numbers
     const auto lower = xi < T(0.5);
     const auto large = a_ > T(20);
     const T target = log(select(lower, xi, T(T(1) - xi)));
@@ -69,7 +70,7 @@ class bessel_radial {
       moving = moving & far;
       if (!any(moving)) break;
     }
-    return select(xi == T(0), T(0), select(xi == T(1), T(inf), y));
+    return select(xi_argument == T(0), T(0), select(xi_argument == T(1), T(inf), y));
   }
 
   // Neither 0 nor infinite; beyond 1e9 sqrt(a) every result is zero.

@@ -17,7 +17,9 @@ namespace microfacet {
 // a quotient |c|/s.
 template <class T, class Family>
 fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) {
-  if constexpr (requires { family.sigma_below(c, s2.high); }) {
+  if constexpr (requires { family.sigma_below(c, s2); }) {
+    return family.sigma_below(c, s2);
+  } else if constexpr (requires { family.sigma_below(c, s2.high); }) {
     return family.sigma_below(c, s2.high);
   } else {
     // Beyond the largest slope, and at s = 0, nothing is left.

@@ -44,10 +44,9 @@ tail_pair<T> centre(const T& a, const T& t, const bessel::neighbours<T>& k) {
     const T factor = t2 / T(n + 1.5);
     lower_term = lower_term * (factor / (a + T(n)));
     upper_term = upper_term * (factor / (a + T(n + 1)));
-    const T next = lower + lower_term;
-    if (!any(next != lower)) break;
-    lower = next;
-    upper = upper + upper_term;
+    const T next_lower = lower + lower_term, next_upper = upper + upper_term;
+    if (!any((next_lower != lower) | (next_upper != upper))) break;
+    lower = next_lower, upper = next_upper;
   }
   const T scale = exp(k.exponent) * gamma_half_step(a) * sqrt(a) / T(sqrt_pi);
   const T sf = T(0.5) - scale * t * (k.at * lower + k.below * upper / a);
@@ -67,8 +66,9 @@ tail_pair<T> tail(const T& a, const T& density, const T& t) {
     for (int j = sign > 0 ? 0 : 1; j < most; ++j) {
       const T tau = T(sign * j) * step;
       const T exponent = -peak * expm1_less(tau) - spread * expm1_less(T(-tau));
-      if (!any(exponent > T(-42))) break;
-      const T weight = exp(maximum(exponent, T(-80)));
+      const auto counts = exponent > T(-42);
+      if (!any(counts)) break;
+      const T weight = select(counts, exp(maximum(exponent, T(-80))), T(0));
       const T sigma = root * exp(T(0.5) * tau), x = t / sigma;
       sum_density = sum_density + weight / sigma;
       sum_sf = sum_sf + weight * erfc_scaled(x);

@@ -32,4 +32,5 @@ isa = _chosen()
 _kernels = import_module(f"{__name__}.{isa}")
 families = _kernels.families
 exp = _kernels.exp
+radial = _kernels.radial
 globals().update({name: getattr(_kernels, name) for name in families})

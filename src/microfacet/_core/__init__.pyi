@@ -10,6 +10,7 @@ gtr: ModuleType
 student_t: ModuleType
 k0: ModuleType
 bessel_k: ModuleType
+radial: ModuleType  # densities of the user's own, by handle
 families: tuple[str, ...]
 
 isa: str  # the build in use

@@ -1,0 +1,136 @@
+// Chebyshev interpolation of the logarithm of a function, in the precision that a table of T needs.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "microfacet/core/math.hpp"
+
+namespace microfacet {
+
+namespace detail {
+
+// cos(pi k/(2 n)) for k < 4 n.
+template <std::size_t N>
+constexpr std::array<double, 4 * N> quarter_waves() {
+  std::array<double, 4 * N> table{};
+  for (std::size_t k = 0; k < 4 * N; ++k) {
+    // cos is even about 0 and odd about pi/2: an argument in [0, pi/2], and Taylor's series there.
+    const std::size_t j = k <= 2 * N ? k : 4 * N - k, i = j <= N ? j : 2 * N - j;
+    const double x = 0.5 * pi * static_cast<double>(i) / static_cast<double>(N), x2 = x * x;
+    double sum = 1;
+    for (int m = 26; m > 0; m -= 2) sum = 1 - sum * x2 / (m * (m - 1));
+    table[k] = i == N ? 0 : j <= N ? sum : -sum;
+  }
+  return table;
+}
+
+}  // namespace detail
+
+// Relative errors of interpolation that count as none, near f = 1 and far from it. The polynomial itself is
+// rounded by its swing, the largest abs(log(f/f(centre))).
+template <class T>
+struct fit_precision;
+template <>
+struct fit_precision<float> {
+  static constexpr double error = 6e-8, far_error = 2e-6, swing = 4, far_swing = 20;
+  static constexpr double rounding = 0, grid = 0x1p16;  // of centres
+};
+template <>
+struct fit_precision<double> {
+  static constexpr double error = 8e-15, far_error = 3e-13, swing = 30, far_swing = 300;
+  static constexpr double rounding = 3e-16, grid = 0x1p40;
+};
+
+// The last L on the way from one to another up to which inside(L, f) holds, if it does at `from`: by
+// sections, all points of one at a time.
+template <class Sample, class Inside>
+double reach(const Sample& sample, double from, double to, const Inside& inside) {
+  constexpr std::size_t points = 16;
+  for (int round = 0; round < 4; ++round) {
+    std::array<double, points> at, f;
+    for (std::size_t i = 0; i < points; ++i) at[i] = from + (to - from) * static_cast<double>(i + 1) / points;
+    sample(at.data(), f.data(), points);
+    std::size_t i = 0;
+    while (i < points && inside(at[i], f[i])) ++i;
+    if (i == points) return to;
+    to = at[i];
+    if (i > 0) from = at[i - 1];
+  }
+  return from;
+}
+
+// log(f/reference) of L on [centre - half, centre + half] by values in N nodes.
+template <class T, std::size_t N>
+struct interpolant {
+  using limits = fit_precision<T>;
+  static constexpr auto waves = detail::quarter_waves<N>();
+
+  double centre = 0, half = 0, reference = 1;
+  double excess = 1e30, wide = 0;  // the error and the swing over what is allowed, as powers of the width
+  std::array<double, N> chebyshev{};
+
+  static double on_grid(double L) { return std::round(L * limits::grid) / limits::grid; }
+
+  // Near is abs(log f) < central.
+  static double allowed(double f, double swing, double central) {
+    const double size = std::abs(std::log(f));
+    return (size > central ? limits::far_error : limits::error) + limits::rounding * (size + std::abs(swing));
+  }
+
+  template <class Sample>
+  static interpolant fit(const Sample& sample, double a, double b, double central) {
+    interpolant p;
+    p.centre = on_grid(0.5 * (a + b));
+    p.half = p.centre - a;
+    // The nodes, and where the error is largest: some extrema of T_N, the ends among them.
+    constexpr std::array<std::size_t, 5> extrema{0, 1, N / 2, N - 1, N};
+    constexpr std::size_t points = N + extrema.size();
+    std::array<double, points> at, f, t;
+    for (std::size_t j = 0; j < N; ++j) at[j] = p.centre + p.half * waves[2 * j + 1];
+    for (std::size_t j = N; j < points; ++j) at[j] = p.centre + p.half * waves[2 * extrema[j - N]];
+    sample(at.data(), f.data(), static_cast<int>(points));
+    p.reference = f[N / 2];
+    double swing = 0, worst = 0;
+    for (std::size_t j = 0; j < points; ++j) {
+      t[j] = std::log(f[j] / p.reference);
+      swing = std::max(swing, std::abs(t[j]));
+    }
+    for (std::size_t k = 0; k < N; ++k) {
+      double sum = 0;
+      for (std::size_t j = 0; j < N; ++j) sum += t[j] * waves[k * (2 * j + 1) % (4 * N)];
+      p.chebyshev[k] = sum * (k == 0 ? 1.0 : 2.0) / static_cast<double>(N);
+    }
+    for (std::size_t j = N; j < points; ++j) {
+      double error = -t[j];
+      for (std::size_t k = 0; k < N; ++k) error += p.chebyshev[k] * waves[2 * k * extrema[j - N] % (4 * N)];
+      if (!(std::abs(error) <= worst)) worst = std::abs(error);  // a nan stays
+    }
+    // Of the values the one nearest 1, as near as it comes.
+    const double size = std::min(std::abs(std::log(f.front())), std::abs(std::log(f[N - 1])));
+    p.wide = std::pow(swing / (size > central ? limits::far_swing : limits::swing), static_cast<double>(N));
+    const double excess = worst / allowed(std::exp(size), swing, central);
+    if (excess < p.excess) p.excess = excess;
+    return p;
+  }
+
+  // Coefficients of the powers of L - centre: T_k as sums of powers, added up.
+  std::array<double, N> powers() const {
+    std::array<double, N> sum{}, before{}, now{}, next{};
+    before[0] = 1, now[1] = 1;
+    sum[0] = chebyshev[0], sum[1] = chebyshev[1];
+    for (std::size_t k = 2; k < N; ++k) {
+      next[0] = -before[0];
+      for (std::size_t i = 1; i <= k; ++i) next[i] = 2 * now[i - 1] - before[i];
+      before = now, now = next;
+      for (std::size_t i = 0; i <= k; ++i) sum[i] += chebyshev[k] * now[i];
+    }
+    double scale = 1;
+    for (std::size_t i = 1; i < N; ++i) sum[i] *= (scale /= half);
+    return sum;
+  }
+};
+
+}  // namespace microfacet

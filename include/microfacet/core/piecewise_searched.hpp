@@ -1,0 +1,103 @@
+// A positive function of x > 0 as many short pieces, polynomials of log f in log x, found by bisection: for
+// functions that are smooth only piecewise, as interpolated samples are. In each, f = f(centre) exp(v p(v)),
+// v = log x - centre, so that nothing large is ever rounded.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "microfacet/core/chebyshev.hpp"
+#include "microfacet/core/elementary.hpp"
+#include "microfacet/core/lookup.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
+
+namespace microfacet {
+
+// Pieces: a power of two. Terms: coefficients of p.
+template <class T, std::size_t Pieces, std::size_t Terms>
+struct piecewise_searched {
+  static_assert(Terms >= 3);
+  static constexpr std::size_t pieces = Pieces, terms = Terms;
+  using real = T;
+  using row = std::array<T, Pieces>;
+
+  alignas(
+      64) row start{};  // x from which on a piece holds, ascending; start[0] is not looked at, unused are inf
+  row centre{};         // log x with so few digits that n ln2_high - centre is exact
+  row twice_value{};    // 2 f(centre)
+  std::array<row, Terms> coefficient{};
+  T lower{1}, upper{1};  // normal numbers: f(0) below the one, f(upper) above the other
+  T at_zero{};
+  double error = inf, far_error = inf;  // largest relative errors found, near f = 1 and far from it
+  bool few = false;                     // at most half of the pieces are in use
+
+  template <class R>
+  MICROFACET_INLINE R operator()(const twofold<R>& x) const {
+    const R inside = minimum(maximum(x.high, R(lower)), R(upper));
+    const R f = few ? value<Pieces / 2>(inside, x.low) : value<Pieces>(inside, x.low);
+    return select(x.high < R(lower), R(at_zero), f);
+  }
+
+ private:
+  template <std::size_t N, class R>
+  MICROFACET_INLINE R value(const R& x, const R& low) const {
+    const elementary::integers<R> i = piece<N>(x);
+    return polynomial_of<N>(log_less<1>(x, low, lookup<N>(centre, i)), i);
+  }
+
+  template <std::size_t N, class R>
+  MICROFACET_INLINE R polynomial_of(const R& v, const elementary::integers<R>& i) const {
+    // Even and odd powers apart: two chains of half the length.
+    constexpr std::size_t last_even = (Terms - 1) / 2 * 2, last_odd = Terms / 2 * 2 - 1;
+    const R v2 = v * v;
+    R even = lookup<N>(coefficient[last_even], i), odd = lookup<N>(coefficient[last_odd], i);
+    for (std::size_t k = last_even; k >= 2; k -= 2)
+      even = multiply_add(even, v2, lookup<N>(coefficient[k - 2], i));
+    for (std::size_t k = last_odd; k >= 3; k -= 2)
+      odd = multiply_add(odd, v2, lookup<N>(coefficient[k - 2], i));
+    const elementary::reduced<R> e = elementary::reduce(R(v * multiply_add(odd, v, even)), R(0));
+    const R scale = lookup<N>(twice_value, i) * e.power;
+    return multiply_add(scale, e.excess, scale);
+  }
+
+  // Times log(x + low) - centre, for x positive and normal.
+  template <int Times, class R>
+  MICROFACET_INLINE static R log_less(const R& x, const R& low, const R& centre) {
+    using f = elementary::format<R>;
+    using integers = elementary::integers<R>;
+    using elementary::bits;
+    using elementary::from_bits;
+    const integers n = (bits(x) - integers(f::sqrt_half)) >> f::mantissa, shift = n << f::mantissa;
+    const R m = from_bits(integers(bits(x) - shift), x),
+            power = from_bits(integers(integers(bits(R(1))) - shift), x);
+    const R real_n = from_bits(integers(integers(bits(R(f::round))) + n), x) - R(f::round);
+    const R e = multiply_add(low, power, R(m - R(1))), s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
+    const R less = half - s * multiply_add(s2, polynomial(f::log, s2), half);
+    const R rest = multiply_add(real_n, R(-f::ln2_low), less);
+    return multiply_add(R(R(Times) * real_n), R(f::ln2_high), R(-centre)) + R(Times) * e - R(Times) * rest;
+  }
+
+  template <std::size_t N, class R>
+  MICROFACET_INLINE elementary::integers<R> piece(const R& x) const {
+    using integers = elementary::integers<R>;
+    integers i = after(x >= R(start[N / 2]), integers(0), integers(N / 2));
+    for (std::size_t step = N / 4; step > 0; step /= 2) {
+      const integers next = i + integers(step);
+      i = after(x >= lookup<N>(start, next), i, next);
+    }
+    return i;
+  }
+  template <class I>
+  MICROFACET_INLINE static I after(bool passed, I i, I next) {
+    return passed ? next : i;
+  }
+#if MICROFACET_VECTOR_EXTENSIONS
+  template <class I>
+  MICROFACET_INLINE static I after(const I& passed, const I& i, const I& next) {
+    return select(passed, next, i);
+  }
+#endif
+};
+
+}  // namespace microfacet

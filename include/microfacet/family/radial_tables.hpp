@@ -1,0 +1,196 @@
+// The functions of family/radial.hpp for fixed shape parameters as piecewise polynomials, built once from a
+// family in double precision and stored in the precision T: a plain value of fixed size. Tables are built and
+// judged one by one.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/piecewise.hpp"
+#include "microfacet/core/piecewise_fit.hpp"
+#include "microfacet/core/twofold.hpp"
+#include "microfacet/family/radial.hpp"
+
+namespace microfacet {
+
+// Functions of a density, to be combined with |: tables are built and judged one by one.
+enum radial_function : unsigned {
+  of_P22 = 1,
+  of_survival = 2,
+  of_radius = 4,
+  of_P2 = 8,
+  of_slope_sf = 16,
+  of_slope_excess = 32,
+  of_all = 63
+};
+
+// The largest relative errors, measured on the tables themselves, near 1 and beyond exp(20) (float) or
+// exp(50).
+struct radial_error {
+  double near = 0, far = 0;
+};
+
+template <class T>
+class radial_tables {
+  static constexpr bool single = sizeof(T) == 4;
+
+ public:
+  using table = piecewise<T, single ? 8 : 18>;
+
+  table root_P22;      // the square root of P22 at r2: D = (sqrt(P22)/z^2)^2 where P22 itself underflows
+  table survival;      // at r2
+  table radius;        // at the odds xi/(1 - xi)
+  table root_P2;       // the square root of P2 at t > 0
+  table slope_sf;      // at t > 0
+  table slope_excess;  // at t^2
+
+  // From a family in double precision, scalar or pack.
+  template <class Family>
+  void build(const Family& family, unsigned functions = of_all);
+
+  radial_error error(unsigned functions) const {
+    radial_error e;
+    each(functions,
+         [&e](const table& t) { e.near = std::max(e.near, t.error), e.far = std::max(e.far, t.far_error); });
+    return e;
+  }
+  // Whether these functions keep the accuracy contract with a margin.
+  bool good(unsigned functions) const {
+    const radial_error e = error(functions);
+    return e.near <= (single ? 1.8e-6 : 8e-14) && e.far <= (single ? 2.5e-5 : 8e-13);
+  }
+
+ private:
+  template <class Use>
+  void each(unsigned functions, const Use& use) const {
+    if (functions & of_P22) use(root_P22);
+    if (functions & of_survival) use(survival);
+    if (functions & of_radius) use(radius);
+    if (functions & of_P2) use(root_P2);
+    if (functions & of_slope_sf) use(slope_sf);
+    if (functions & of_slope_excess) use(slope_excess);
+  }
+};
+
+namespace detail {
+
+// Calls a function of lanes for n numbers.
+template <class R, class Function>
+void in_lanes(const double* x, double* f, int n, const Function& function) {
+  constexpr int width = sizeof(R) / sizeof(double);
+  std::array<double, width> in, out;
+  for (int i = 0; i < n; i += width) {
+    for (int j = 0; j < width; ++j) in[j] = x[std::min(i + j, n - 1)];
+    R a;
+    std::memcpy(&a, in.data(), sizeof a);
+    const R b = function(a);
+    std::memcpy(out.data(), &b, sizeof b);
+    for (int j = 0; j < width && i + j < n; ++j) f[i + j] = out[j];
+  }
+}
+
+template <class R>
+double first_lane(const R& r) {
+  double x;
+  std::memcpy(&x, &r, sizeof x);
+  return x;
+}
+
+template <class Family>
+class radial_samples {
+  using R = typename Family::scalar;
+
+ public:
+  explicit radial_samples(const Family& family) : family_(family) {}
+
+  R root_P22(const R& L) const {
+    const R r = elementary::exp(R(R(0.5) * L));
+    const auto inner = [&] {
+      if constexpr (requires { family_.P22_of_slope(r); }) {
+        return sqrt(family_.P22_of_slope(r));
+      } else {
+        return sqrt(family_.P22(twofold<R>(r * r)));
+      }
+    };
+    // Beyond 1 through D at a small cosine, where it underflows much later.
+    const R z(0x1p-64), z2 = z * z;
+    const auto outer = [&] { return R(sqrt(family_.D(z, twofold<R>(r * r * z2))) * z2); };
+    return choose(r <= R(1), inner, outer);
+  }
+  R survival(const R& L) const { return family_.survival(square_of(elementary::exp(R(R(0.5) * L)))); }
+  R root_P2(const R& L) const { return sqrt(family_.P2(slope<R>(elementary::exp(L)))); }
+  R slope_sf(const R& L) const { return family_.slope_sf(slope<R>(elementary::exp(L))); }
+  R slope_excess(const R& L) const { return family_.slope_excess(slope<R>(elementary::exp(R(R(0.5) * L)))); }
+
+  // Above the median xi = 1 - rest loses what rest has: Newton's method on log survival against log r^2.
+  R radius(const R& L) const {
+    const R odds = elementary::exp(L), xi = minimum(R(odds / (R(1) + odds)), R(1 - 0x1p-53));
+    R start;
+    if constexpr (requires { family_.radius(xi); }) {
+      start = family_.radius(xi);
+    } else {
+      start = sqrt(family_.radius2(xi));
+    }
+    const auto refine = [&] {
+      R M = R(2) * log(start);
+      for (int i = 0; i < 4; ++i) {
+        const twofold<R> r2 = square_of(elementary::exp(R(R(0.5) * M)));
+        const R above = family_.survival(r2),
+                change = log(above * (R(1) + odds)) * above / (R(pi) * r2.high * family_.P22(r2));
+        M = M + minimum(maximum(change, R(-2)), R(2));
+      }
+      return R(elementary::exp(R(R(0.5) * M)));
+    };
+    return choose((L > R(0)) & (start < R(1e100)), refine, [&] { return start; });
+  }
+
+ private:
+  static twofold<R> square_of(const R& r) { return exact_product(r, r); }
+  const Family& family_;
+};
+
+}  // namespace detail
+
+template <class T>
+template <class Family>
+void radial_tables<T>::build(const Family& family, unsigned functions) {
+  using R = typename Family::scalar;
+  // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
+  constexpr double least = single ? -87 : -700, slope_end = single ? 20 : 40, square_end = 2 * slope_end;
+  constexpr double tiny = std::numeric_limits<T>::min(), tiny_root = single ? 1e-22 : 1e-153;
+  // The factor 1/z^4 of D makes a large number of a small P22.
+  constexpr double central = single ? 20 : 50, central_root = single ? 65 : 110;
+  const detail::radial_samples<Family> samples(family);
+  const auto fill = [](table& t, const auto& function, const fit_range& range) {
+    const auto sample = [&](const double* L, double* f, int n) { detail::in_lanes<R>(L, f, n, function); };
+    t = piecewise_fit<table, decltype(sample)>(sample, range)();
+  };
+  const auto at_zero = [](const R& value) { return detail::first_lane(value); };
+  const R zero(0);
+  if (functions & of_P22)
+    fill(root_P22, [&](const R& L) { return samples.root_P22(L); },
+         {least, square_end, least, std::sqrt(at_zero(family.P22(twofold<R>(zero)))), single ? tiny : 1e-180,
+          central_root, true});
+  if (functions & of_survival)
+    fill(survival, [&](const R& L) { return samples.survival(L); },
+         {least, square_end, least, 1, tiny, central, true});
+  if (functions & of_radius)
+    fill(radius, [&](const R& L) { return samples.radius(L); },
+         {least, single ? 17 : 37, 0, 0, single ? tiny : 1e-290, central});
+  if (functions & of_P2)
+    fill(root_P2, [&](const R& L) { return samples.root_P2(L); },
+         {least, slope_end, least, std::sqrt(at_zero(family.P2(slope<R>(zero)))), tiny_root, central});
+  if (functions & of_slope_sf)
+    fill(slope_sf, [&](const R& L) { return samples.slope_sf(L); },
+         {least, slope_end, least, 0.5, tiny, central});
+  if (functions & of_slope_excess)
+    fill(slope_excess, [&](const R& L) { return samples.slope_excess(L); },
+         {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
+}
+
+}  // namespace microfacet
