@@ -84,7 +84,15 @@ def family(copy: pathlib.Path) -> Iterator[Any]:
     )
     listing.write_text(alone, encoding="utf-8")
     core = copy / f"walk{sysconfig.get_config_var('EXT_SUFFIX')}"
-    flags = ["-std=c++20", "-O1", "-shared", "-fPIC", "-ffp-contract=off", "-Wno-psabi", "-DMICROFACET_MODULE=walk"]
+    flags = [
+        "-std=c++20",
+        "-O1",
+        "-shared",
+        "-fPIC",
+        "-ffp-contract=off",
+        "-Wno-psabi",
+        "-DMICROFACET_MODULE=walk",
+    ]
     if sys.platform == "darwin":
         flags += ["-undefined", "dynamic_lookup"]
     include = [f"-I{path}" for path in (copy / "include", sysconfig.get_path("include"), np.get_include())]

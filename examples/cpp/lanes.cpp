@@ -1,5 +1,6 @@
-// Masking of many cosines at once: a Bessel K distribution, prepared in float32 and evaluated a register at a time.
-// Compile with -march=native, or with the flags of the instruction set that you want; a scalar works too.
+// Masking of many cosines at once: a Bessel K distribution, prepared in float32 and evaluated a register at a
+// time. Compile with -march=native, or with the flags of the instruction set that you want; a scalar works
+// too.
 
 #include <cstdio>
 #include <cstring>

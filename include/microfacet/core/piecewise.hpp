@@ -7,8 +7,8 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <cstdint>
+#include <limits>
 
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/lookup.hpp"
@@ -150,7 +150,8 @@ struct piecewise {
     using elementary::bits;
     using elementary::from_bits;
     const auto c = [&](std::size_t k) { return lookup<pieces<Few>>(coefficient[k], i); };
-    const R t = v * interleaved<Terms>(c, v);
+    // Far out on a power law exp(t) is zero; its exponent must not leave the format.
+    const R t = maximum(R(v * interleaved<Terms>(c, v)), R(format::least));
     const R shifted = multiply_add(t, R(std::numbers::log2e), R(format::round)),
             n = shifted - R(format::round);
     const R r = multiply_add(n, R(-std::numbers::ln2), t);

@@ -1,7 +1,7 @@
-// Gauss and Chebyshev's rule for integrands that are analytic but for square roots at both ends of an interval:
-// the midpoint rule in theta, where c = sin^2(theta/2). It converges like rho^(-2n), rho being the sum of the
-// semi-axes of the largest ellipse of analyticity about the interval [-1, 1] (Trefethen and Weideman, SIAM Review
-// 56, 2014).
+// Gauss and Chebyshev's rule for integrands that are analytic but for square roots at both ends of an
+// interval: the midpoint rule in theta, where c = sin^2(theta/2). It converges like rho^(-2n), rho being the
+// sum of the semi-axes of the largest ellipse of analyticity about the interval [-1, 1] (Trefethen and
+// Weideman, SIAM Review 56, 2014).
 #pragma once
 
 #include "microfacet/core/math.hpp"
@@ -10,10 +10,12 @@ namespace microfacet {
 
 inline constexpr int most_node_pairs = 48;
 
-// int_0^1 f(c) dc by 2 `pairs` nodes (each lane has its own number, 2 at least): pair(c, 1 - c) = f(c) + f(1 - c).
+// int_0^1 f(c) dc by 2 `pairs` nodes (each lane has its own number, 2 at least): pair(c, 1 - c) = f(c) + f(1
+// - c).
 template <class T, class Pair>
 T integral_between_roots(const Pair& pair, const T& pairs) {
-  // theta/2 starts at pi/(8 pairs) and advances by twice that: a rotation. Taylor's series for angles below 0.2.
+  // theta/2 starts at pi/(8 pairs) and advances by twice that: a rotation. Taylor's series for angles below
+  // 0.2.
   const T first = T(pi / 8) / pairs, square_of_first = first * first;
   T sine(1), cosine(1);
   for (int n = 6; n > 0; --n) {

@@ -48,7 +48,8 @@ class bessel_radial {
   // Newton's method: below the median on log(1 - survival) against log y, above on log(survival) against y.
   T inverse(const T& xi_argument) const {
     constexpr int most = 80;
-    const T xi = maximum(xi_argument, T(T(4096) * smallest<T>()));  // its square root's powers stay normal numbers
+    const T xi =
+        maximum(xi_argument, T(T(4096) * smallest<T>()));  // its square root's powers stay normal numbers
     const auto lower = xi < T(0.5);
     const auto large = a_ > T(20);
     const T target = log(select(lower, xi, T(T(1) - xi)));
@@ -115,7 +116,8 @@ class bessel_k {
     return select(t == T(0), select(finite, at_zero, T(at_zero * T(inf))), value);
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [this](const slope<T>& x) { return variance_gamma::tails(a_, radial_.clamp(x.value.high)).sf; });
+    return symmetric_sf(
+        t, [this](const slope<T>& x) { return variance_gamma::tails(a_, radial_.clamp(x.value.high)).sf; });
   }
   T slope_excess(const slope<T>& x) const {
     return variance_gamma::tails(a_, radial_.clamp(x.value.high)).excess;

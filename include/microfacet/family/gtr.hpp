@@ -68,7 +68,8 @@ class gtr {
     const twofold<T> v = log1p_twofold(exact_span() * ratio(r2));
     // phi(-x) = exp(-x) phi(x): the two forms are equal, and each overflows where the other does not.
     const T gl = g_ * span_ * l_over_span;
-    const T ratio = select(g_ > T(0), T(exp(-(v * twofold<T>(g_))) * expm1_over(T(-gl)) / down_), T(expm1_over(gl) / up_));
+    const T ratio = select(g_ > T(0), T(exp(-(v * twofold<T>(g_))) * expm1_over(T(-gl)) / down_),
+                           T(expm1_over(gl) / up_));
     return minimum(T(l_over_span / omega_ * ratio), T(1));
   }
 
@@ -86,7 +87,8 @@ class gtr {
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& x) {
-      return choose(gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
+      return choose(
+          gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
     });
   }
   T slope_excess(const slope<T>& x) const {
@@ -110,7 +112,9 @@ class gtr {
     const T most = square(largest_slope<T>());
     return {minimum(r2.high, most), select(r2.high > most, T(0), r2.low)};
   }
-  detail::gtr_logarithmic<T> closed_marginal(const slope<T>& x) const { return {x.value.high, a2_, span_, omega_}; }
+  detail::gtr_logarithmic<T> closed_marginal(const slope<T>& x) const {
+    return {x.value.high, a2_, span_, omega_};
+  }
   detail::gtr_marginal<T> marginal(const slope<T>& x) const {
     return {x, smaller_, exact_span(), ratio(x.squared), g_, T(omega_ * select(g_ > T(0), down_, up_))};
   }

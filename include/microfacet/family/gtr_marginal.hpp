@@ -1,10 +1,12 @@
-// Slope marginals of GTR (family/gtr.hpp): closed for gamma = 1, else integrals over the circles of one radius.
+// Slope marginals of GTR (family/gtr.hpp): closed for gamma = 1, else integrals over the circles of one
+// radius.
 //
-// A circle of radius r about the normal has L = log((max + r^2)/(min + r^2)), max and min being the larger and the
-// smaller of 1 and alpha^2; it runs from 0 (r = inf) to L(x^2) for those that reach beyond the slope x. With
-// A^2 = x^2 + min, a = exp(L) - 1, b = exp(L(x^2) - L) - 1:
+// A circle of radius r about the normal has L = log((max + r^2)/(min + r^2)), max and min being the larger
+// and the smaller of 1 and alpha^2; it runs from 0 (r = inf) to L(x^2) for those that reach beyond the slope
+// x. With A^2 = x^2 + min, a = exp(L) - 1, b = exp(L(x^2) - L) - 1:
 //
-//   rho^2 = r^2 - x^2 = A^2 b (1 + 1/a),  -d(r^2) = (max - min) (1 + 1/a)/a dL,  survival = expm1(g L)/expm1(g beta)
+//   rho^2 = r^2 - x^2 = A^2 b (1 + 1/a),  -d(r^2) = (max - min) (1 + 1/a)/a dL,  survival = expm1(g
+//   L)/expm1(g beta)
 //
 //   slope_excess(x) = 1/(2 pi) int survival rho/r^2 d(r^2)
 //   slope_sf(x)     = x/(2 pi) int survival/(rho r^2) d(r^2)
@@ -18,8 +20,8 @@
 
 namespace microfacet::detail {
 
-// gamma = 1. With A = sqrt(alpha^2 + x^2), B = sqrt(1 + x^2) and m the smaller of the two, log((x + B)/(x + A)) is
-// log(1 + t) or its negative, t = |1 - alpha^2|/((A + B)(x + m)).
+// gamma = 1. With A = sqrt(alpha^2 + x^2), B = sqrt(1 + x^2) and m the smaller of the two, log((x + B)/(x +
+// A)) is log(1 + t) or its negative, t = |1 - alpha^2|/((A + B)(x + m)).
 template <class T>
 class gtr_logarithmic {
  public:
@@ -40,10 +42,10 @@ class gtr_logarithmic {
 template <class T>
 class gtr_marginal {
  public:
-  // span = max - min, ratio = (exp(L(0) - L(x^2)) - 1)/span, and scale = beta/span (1 - exp(-|g| beta))/(|g| beta),
-  // the denominator of survival.
-  gtr_marginal(const slope<T>& x, const T& smaller, const twofold<T>& span, const twofold<T>& ratio, const T& g,
-               const T& scale)
+  // span = max - min, ratio = (exp(L(0) - L(x^2)) - 1)/span, and scale = beta/span (1 - exp(-|g| beta))/(|g|
+  // beta), the denominator of survival.
+  gtr_marginal(const slope<T>& x, const T& smaller, const twofold<T>& span, const twofold<T>& ratio,
+               const T& g, const T& scale)
       : x_(x.value.high),
         amplitude_(sqrt(x.squared.high + smaller)),
         g_(select(abs(g) < T(least), T(least), g)),
@@ -81,7 +83,8 @@ class gtr_marginal {
   T sf() const {
     const T x = x_ / amplitude_, x2 = x * x;
     const T sum = integral_of_survival([&](const T& near, const T& far, const T& rho2, const T& rho2_far) {
-      const T rho = sqrt(rho2), rho_far = sqrt(rho2_far), d = rho * (x2 + rho2), d_far = rho_far * (x2 + rho2_far);
+      const T rho = sqrt(rho2), rho_far = sqrt(rho2_far), d = rho * (x2 + rho2),
+              d_far = rho_far * (x2 + rho2_far);
       return (near * d_far + far * d) / (d * d_far);
     });
     return sum * x / square(amplitude_) + pole();
@@ -89,7 +92,8 @@ class gtr_marginal {
   T density() const {
     const T sum = integral([&](const nodes& n) {
       const T fallen = all_ * (T(1) + n.growth), rho = sqrt(n.rho2), rho_far = sqrt(n.rho2_far);
-      const T near = select(rising_, n.inverse_growth, fallen), far = select(rising_, fallen, n.inverse_growth);
+      const T near = select(rising_, n.inverse_growth, fallen),
+              far = select(rising_, fallen, n.inverse_growth);
       return (near * rho_far + far * rho) / (rho * rho_far);
     });
     return fall_ * sum * part_ * whole_over_span_ / (T(pi) * amplitude_ * scale_);
@@ -100,7 +104,8 @@ class gtr_marginal {
   static constexpr double negligible = single ? 28 : 50;
   static constexpr double least = single ? 1e-9 : 1e-20;  // stands for zero, where only quotients count
 
-  // At L = L(x^2) - near length and L = L(x^2) - far length, with growth = exp(|g| near length) - 1: 1/a, (rho/A)^2.
+  // At L = L(x^2) - near length and L = L(x^2) - far length, with growth = exp(|g| near length) - 1: 1/a,
+  // (rho/A)^2.
   struct nodes {
     T growth, inverse_growth, r, r_far, rho2, rho2_far;
   };
@@ -111,7 +116,8 @@ class gtr_marginal {
     const auto pair = [&](const T& near, const T&) {
       const T b = expm1(length_ * near), growth = expm1(height_ * near), b_far = growth_of_length_ - b;
       const T a = b_far + base * (T(1) + b), a_far = b + base;  // times (1 + b) omitted, and omitted
-      const T grown = T(1) + growth, inverse = T(1) / (a * a_far * grown), inverse_a = inverse * (a_far * grown);
+      const T grown = T(1) + growth, inverse = T(1) / (a * a_far * grown),
+              inverse_a = inverse * (a_far * grown);
       const T inverse_a_far = inverse * (a * grown);
       return f(nodes{growth, T(inverse * (a * a_far)), T((T(1) + b) * (omitted_ * inverse_a)),
                      T(omitted_ * inverse_a_far), T((T(1) + growth_of_length_) * (b * inverse_a)),
@@ -136,8 +142,8 @@ class gtr_marginal {
     const T turns = sqrt(T(0.5) * abs(g_) * length_);
     const T pairs = single ? maximum(T(T(2) + T(0.28) * length_), T(T(2) + T(1.4) * turns))
                            : maximum(T(T(3.3) + T(0.48) * length_), T(T(3) + T(2) * turns));
-    // The pole beyond the interval is the rule's error as long as survival does not grow too much up to there;
-    // else it must not count.
+    // The pole beyond the interval is the rule's error as long as survival does not grow too much up to
+    // there; else it must not count.
     const T far = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
     return floor(maximum(pairs, select(decay > T(8), far, T(0)))) + T(1);
   }

@@ -20,13 +20,14 @@ struct reciprocal_gamma {
         odd(polynomial(coefficients::reciprocal_gamma_odd, T(mu * mu))) {}
 };
 
-// Gamma(k + 1/2)/(Gamma(k) sqrt(k)), which tends to 1 for large k: of 1/k where k >= half_step_shift, and of any
-// k > 0 from k + half_step_shift down the recurrence.
+// Gamma(k + 1/2)/(Gamma(k) sqrt(k)), which tends to 1 for large k: of 1/k where k >= half_step_shift, and of
+// any k > 0 from k + half_step_shift down the recurrence.
 inline constexpr int half_step_shift = 10;
 
 template <class T>
 T half_step_of_large(const T& inverse_k) {
-  return polynomial(by_precision<T>(coefficients::gamma_half_step_32, coefficients::gamma_half_step_64), inverse_k);
+  return polynomial(by_precision<T>(coefficients::gamma_half_step_32, coefficients::gamma_half_step_64),
+                    inverse_k);
 }
 
 template <class T>

@@ -3,12 +3,14 @@
 // Both are Gauss' series in z = 1/A, all of whose terms are positive (DLMF 8.17.8):
 //
 //   A^k Pr(slope > t)      = Gamma(k + 1/2)/(2 sqrt(pi) Gamma(k + 1)) sqrt(1 - z) 2F1(1, k + 1/2; k + 1; z)
-//   A^k E[(slope - t)_+]   = Gamma(k + 1/2)/(4 sqrt(pi) Gamma(k + 1)) sqrt(k + t^2) 2F1(1, k - 1/2; k + 1; z)/
+//   A^k E[(slope - t)_+]   = Gamma(k + 1/2)/(4 sqrt(pi) Gamma(k + 1)) sqrt(k + t^2) 2F1(1, k - 1/2; k + 1;
+//   z)/
 //                            (k - 1/2)
 //
-// Ten terms lead from k to K = k + 10, where the rest is its limit for large K, a complementary error function
-// (uniformly in t: N. M. Temme, SIAM J. Math. Anal. 13, 1982), and a smooth correction in q = log(A) and 1/K
-// (tools/derive_student.py). The quotients of Gamma functions cancel against the denominators of the series.
+// Ten terms lead from k to K = k + 10, where the rest is its limit for large K, a complementary error
+// function (uniformly in t: N. M. Temme, SIAM J. Math. Anal. 13, 1982), and a smooth correction in q = log(A)
+// and 1/K (tools/derive_student.py). The quotients of Gamma functions cancel against the denominators of the
+// series.
 #pragma once
 
 #include "microfacet/core/math.hpp"
