@@ -66,7 +66,8 @@ struct exponential {
 };
 struct no_model {
   struct family {
-    static constexpr bool native_float32 = true, costly = false, shape_invariant = false;
+    static constexpr bool native_float32 = true, shape_invariant = false;
+    static constexpr unsigned costly = 0;
     static constexpr std::array<parameter, 0> parameters{};
   };
   struct tag {

@@ -55,7 +55,8 @@ struct unknown_density {
   static constexpr std::string_view name = "radial";
   static constexpr std::array<parameter, 1> parameters{{{"handle", 0.0, inf, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"heitz2014masking"};
-  static constexpr bool shape_invariant = true, native_float32 = true, costly = true;
+  static constexpr bool shape_invariant = true, native_float32 = true;
+  static constexpr unsigned costly = of_all;
 
   explicit unknown_density(const T&) {}
   T nothing() const { return nan<T>(); }

@@ -162,13 +162,22 @@ struct ufunc_loops {
     }
   }
 
+  // Whether all that the operation needs of the density is costly: no table stands for a closed form.
+  static constexpr bool pays_to_prepare() {
+    if constexpr (Model::family::costly == 0) {
+      return false;
+    } else {
+      return (Operation::needs & ~Model::family::costly) == 0;
+    }
+  }
+
   template <class T>
   static void loop(char** args, const npy_intp* dimensions, const npy_intp* steps, void*) {
     const npy_intp n = dimensions[0];
     if (n == 0) return;
     const quiet_floating_point guard;
     const bool constant = std::all_of(steps + values, steps + inputs, [](npy_intp s) { return s == 0; });
-    if constexpr (Model::family::costly) {
+    if constexpr (pays_to_prepare()) {
       if (constant && (WideParameters || n >= long_array)) {
         const bool fits = std::is_same_v<T, double> || fits_float32(args, steps, 0);
         if (fits ? run_prepared<T, T>(args, steps, n) : run_prepared<double, T>(args, steps, n)) return;

@@ -28,7 +28,8 @@ class beckmann {
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
                                                            "deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true, costly = false;
+  static constexpr bool native_float32 = true;
+  static constexpr unsigned costly = 0;
 
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return exp(-r2) * T(1 / pi); }

@@ -93,7 +93,8 @@ class bessel_k {
   static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, inf, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = false, costly = true;
+  static constexpr bool native_float32 = false;
+  static constexpr unsigned costly = of_all;
 
   explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(inf)), a)), radial_(a_) {}
 
@@ -101,7 +102,8 @@ class bessel_k {
   T P22(const twofold<T>& r2) const { return P22_of_slope(sqrt(r2.high)); }
   // The density of slopes of length y; near its singularity the square of y underflows first.
   T P22_of_slope(const T& y) const { return exp(radial_.log_P22(y)); }
-  T D(const T& z, const twofold<T>& h2) const {
+  T D(const T& z_argument, const twofold<T>& h2) const {
+    const T z = maximum(z_argument, T(T(4) * sqrt(smallest<T>())));
     return density_from_log(radial_.log_P22(T(sqrt(h2.high) / z)), z);
   }
   T survival(const twofold<T>& r2) const { return radial_.survival(sqrt(r2.high)); }

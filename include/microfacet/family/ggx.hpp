@@ -27,7 +27,8 @@ class ggx {
   static constexpr std::array<std::string_view, 3> sources{"trowbridge1975average", "walter2007microfacet",
                                                            "heitz2014masking"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true, costly = false;
+  static constexpr bool native_float32 = true;
+  static constexpr unsigned costly = 0;
 
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.high)); }

@@ -81,7 +81,8 @@ class k0 {
   static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true, costly = false;
+  static constexpr bool native_float32 = true;
+  static constexpr unsigned costly = 0;
 
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }

@@ -13,6 +13,17 @@
 
 namespace microfacet {
 
+// Functions of a density, to be combined with |: what a quantity needs, and what it pays to prepare.
+enum radial_function : unsigned {
+  of_P22 = 1,
+  of_survival = 2,
+  of_radius = 4,
+  of_P2 = 8,
+  of_slope_sf = 16,
+  of_slope_excess = 32,
+  of_all = 63
+};
+
 // A slope with its square; exponents are made of the one or the other.
 template <class T>
 struct slope {

@@ -18,17 +18,6 @@
 
 namespace microfacet {
 
-// Functions of a density, to be combined with |: tables are built and judged one by one.
-enum radial_function : unsigned {
-  of_P22 = 1,
-  of_survival = 2,
-  of_radius = 4,
-  of_P2 = 8,
-  of_slope_sf = 16,
-  of_slope_excess = 32,
-  of_all = 63
-};
-
 // The largest relative errors, measured on the tables themselves, near 1 and beyond exp(20) (float) or
 // exp(50).
 struct radial_error {

@@ -30,7 +30,8 @@ class student_t {
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};
   static constexpr std::array<std::string_view, 2> sources{"ribardiere2017std", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true, costly = true;
+  static constexpr bool native_float32 = true;
+  static constexpr unsigned costly = of_slope_sf | of_slope_excess;
 
   explicit student_t(const T& gamma)
       : k_(where((gamma > T(parameters[0].density_lower)) & (gamma < T(inf)), T(gamma - T(1)))),
