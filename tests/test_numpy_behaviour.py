@@ -355,7 +355,7 @@ def test_the_lock_is_released_while_a_loop_runs() -> None:
     """A second thread makes progress while the first sits in one long call."""
     x = np.linspace(0.01, 0.99, 4_000)
     begin = time.perf_counter()
-    mf.bessel_k.Lambda(x, 0.3, 1.3)
+    mf.bessel_k.Lambda(x, 0.3, np.full(x.shape, 1.3))  # an array, or else a long call is prepared and short
     seconds = time.perf_counter() - begin
     x = np.resize(x, max(x.size, int(x.size * 0.5 / max(seconds, 1e-6))))  # a call of about half a second
 
@@ -369,8 +369,9 @@ def test_the_lock_is_released_while_a_loop_runs() -> None:
 
     thread = threading.Thread(target=tick)
     thread.start()
+    a = np.full(x.shape, 1.3)
     begin = time.perf_counter()
-    mf.bessel_k.Lambda(x, 0.3, 1.3)
+    mf.bessel_k.Lambda(x, 0.3, a)
     end = time.perf_counter()
     done.set()
     thread.join()
