@@ -4,6 +4,7 @@
 
 #include "check.hpp"
 #include "microfacet/special/bessel.hpp"
+#include "microfacet/special/bessel_complement.hpp"
 #include "microfacet/special/erf.hpp"
 #include "microfacet/special/gamma.hpp"
 #include "microfacet/special/student.hpp"
@@ -52,15 +53,18 @@ void gamma_functions() {
 
 template <class T>
 void bessel_functions() {
-  using mf::bessel::orders;
-  COMPARE(bessel_below, few, [](T nu, T y) { return orders(nu, y).below; });
-  COMPARE(bessel_at, few, [](T nu, T y) { return orders(nu, y).at; });
-  COMPARE(bessel_above, few, [](T nu, T y) { return orders(nu, y).above; });
+  const auto orders = [](T nu, T y) { return mf::bessel::orders(nu, mf::twofold<T>(y)); };
+  COMPARE(bessel_below, few, [&](T nu, T y) { return orders(nu, y).below; });
+  COMPARE(bessel_at, few, [&](T nu, T y) { return orders(nu, y).at; });
+  COMPARE(bessel_above, few, [&](T nu, T y) { return orders(nu, y).above; });
   const auto times = [](T value, T exponent) { return value * std::exp(exponent); };
   COMPARE(debye_below, many, [&](T nu, T y) { return times(orders(nu, y).below, orders(nu, y).exponent); });
   COMPARE(debye_at, many, [&](T nu, T y) { return times(orders(nu, y).at, orders(nu, y).exponent); });
   COMPARE(debye_above, many, [&](T nu, T y) { return times(orders(nu, y).above, orders(nu, y).exponent); });
-  COMPARE(bessel_complement_above, many, [](T nu, T y) { return orders(nu, y).complement_above; });
+  COMPARE(bessel_complement_above, many, [&](T nu, T y) {
+    const T a = nu + 1;
+    return mf::bessel::complement(a, y, orders(a, y));
+  });
 }
 
 // The table holds tails relative to the density A^(-k - 1/2), A = 1 + t^2/k; the functions are relative to N

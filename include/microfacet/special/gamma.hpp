@@ -18,6 +18,8 @@ struct reciprocal_gamma {
   explicit reciprocal_gamma(const T& mu)
       : even(polynomial(coefficients::reciprocal_gamma_even, T(mu * mu))),
         odd(polynomial(coefficients::reciprocal_gamma_odd, T(mu * mu))) {}
+  T plus(const T& mu) const { return multiply_add(mu, odd, even); }
+  T minus(const T& mu) const { return multiply_add(-mu, odd, even); }
 };
 
 // Gamma(k + 1/2)/(Gamma(k) sqrt(k)), which tends to 1 for large k: of 1/k where k >= half_step_shift, and of

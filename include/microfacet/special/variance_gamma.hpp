@@ -1,91 +1,153 @@
-// Tails of the one-dimensional variance-gamma density P2(t) = 2 |t|^nu K_nu(2|t|)/(sqrt(pi) Gamma(a)),
-// nu = a - 1/2: a Gaussian whose variance m/2 has m distributed as Gamma(a, 1).
+// The one-dimensional variance-gamma density P2(t) = 2 |t|^nu K_nu(2|t|)/(sqrt(pi) Gamma(a)), nu = a - 1/2,
+// and its tails: a Gaussian whose variance m/2 has m distributed as Gamma(a, 1).
+//
+// The tails climb with the density from 0 < a <= 1, by positive terms (P2'_{a+1} = -2t P2_a/a, and P2_{a+1} -
+// P2_a = P2''_{a+1}/4 integrated twice):
+//
+//   sf_{a+1} = sf_a + t P2_a/(2a),   excess_{a+1} = excess_a + P2_{a+1}/4
 #pragma once
 
 #include "microfacet/core/math.hpp"
 #include "microfacet/special/bessel.hpp"
 #include "microfacet/special/erf.hpp"
 #include "microfacet/special/gamma.hpp"
+#include "microfacet/special/variance_gamma_excess_coefficients.hpp"
+#include "microfacet/special/variance_gamma_tail_coefficients.hpp"
 
 namespace microfacet::variance_gamma {
 
-using microfacet::select;
-
+// P2(t) for t > 0.
 template <class T>
-struct tail_pair {
-  T sf, excess;  // int_t^inf P2, int_t^inf (y - t) P2(y) dy
+T density(const T& a, const twofold<T>& t) {
+  const bessel::neighbours<T> k = bessel::orders(T(a - T(0.5)), t);
+  return T(1 / sqrt_pi) * gamma_half_step(a) * sqrt(a) * k.at * k.decay * k.decay;
+}
+
+namespace detail {
+
+// sum_n w^n/((5/2)_n (b)_n) for w <= 1/16.
+template <class T>
+T centre_series(const T& w, const T& b) {
+  T numerator(1), denominator(1);
+  for (int n = 5; n >= 0; --n) {
+    denominator = denominator * (b + T(n));
+    numerator = multiply_add(T(w * T(1 / (n + 2.5))), numerator, denominator);
+  }
+  return numerator / denominator;
+}
+
+// 1/sqrt(pi) over Gamma(a) and Gamma(a + 1), 0 < a <= 1.
+template <class T>
+struct inverse_gammas {
+  T at, above;
+
+  explicit inverse_gammas(const T& a) {
+    const auto low = a <= T(0.5);
+    const T mu = select(low, a, T(a - T(1)));
+    const T value = T(1 / sqrt_pi) * reciprocal_gamma<T>(mu).plus(mu);
+    at = select(low, T(a * value), value), above = select(low, value, T(value / a));
+  }
 };
 
-template <class T, class Mask>
-tail_pair<T> select(const Mask& mask, const tail_pair<T>& a, const tail_pair<T>& b) {
-  return {select(mask, a.sf, b.sf), select(mask, a.excess, b.excess)};
-}
-
-// P2(t) from the orders nu - 1, nu, nu + 1 at t.
+// Each tail over exp(-2t), 0 < a <= 1: for t >= 1/4 (over t^(a-1), too), for t <= 1/4, and what a step up
+// adds, from rungs times gamma.at/4.
 template <class T>
-T density(const T& a, const bessel::neighbours<T>& k) {
-  return exp(bessel::log_unscaled(T(gamma_half_step(a) * sqrt(a) / T(sqrt_pi) * k.at), k.exponent));
-}
-
-// Where the mixture integral takes over from the closed form.
-template <class T>
-auto in_tail(const T& a, const T& t) {
-  return t * t > T(0.49) * a;
-}
-
-// Closed form for the centre: 1/2 - sf = t (K_nu L_{nu-1} + L_nu K_{nu-1})(2t) with modified Struve functions
-// L (DLMF 10.43.2), in which every term is positive; excess = int_t^inf y P2 - t sf, the first of these in
-// K_{nu+1}.
-template <class T>
-tail_pair<T> centre(const T& a, const T& t, const bessel::neighbours<T>& k) {
-  const T t2 = t * t;
-  T lower_term(1), upper_term(1), lower(1), upper(1);
-  for (int n = 0; n < 60; ++n) {
-    const T factor = t2 / T(n + 1.5);
-    lower_term = lower_term * (factor / (a + T(n)));
-    upper_term = upper_term * (factor / (a + T(n + 1)));
-    const T next_lower = lower + lower_term, next_upper = upper + upper_term;
-    if (!any((next_lower != lower) | (next_upper != upper))) break;
-    lower = next_lower, upper = next_upper;
+struct sf {
+  static T far(const T& t, const T& mu, const inverse_gammas<T>& gamma) {
+    using namespace coefficients;
+    return T(sqrt_pi) * gamma.at *
+           polynomial(by_precision<T>(variance_gamma_tail_32, variance_gamma_tail_64), t, mu);
   }
-  const T scale = exp(k.exponent) * gamma_half_step(a) * sqrt(a) / T(sqrt_pi);
-  const T sf = T(0.5) - scale * t * (k.at * lower + k.below * upper / a);
-  return {sf, T(0.5) * scale * (a + T(0.5)) * k.above - t * sf};
+  // 1/2 less the closed form t (K_mu L_{mu-1} + L_mu K_{mu-1})(2t), mu = a - 1/2, with modified Struve
+  // functions L (DLMF 10.43.2), in which every term is positive.
+  static T near(const T& a, const T& t, const bessel::ladder<T>& k, const inverse_gammas<T>& gamma,
+                const T& decay) {
+    const T w = t * t, third = w * T(1 / 1.5);
+    const T lower = a + third * centre_series(w, T(a + T(1)));
+    const T upper = T(1) + third / (a + T(1)) * centre_series(w, T(a + T(2)));
+    return maximum(T(T(0.5) / square(decay) - t * gamma.above * (k.at * lower + k.below * upper)), T(0));
+  }
+  static T added(const T& t, const T& at, const T&, double inverse) { return t * (at * T(2 * inverse)); }
+};
+template <class T>
+struct excess {
+  static T far(const T& t, const T& mu, const inverse_gammas<T>& gamma) {
+    using namespace coefficients;
+    const auto& table = by_precision<T>(variance_gamma_excess_32, variance_gamma_excess_64);
+    return T(sqrt_pi) * gamma.at * polynomial(table, t, mu);
+  }
+  // int_t^inf y P2(y) dy less t Pr(slope > t).
+  static T near(const T& a, const T& t, const bessel::ladder<T>& k, const inverse_gammas<T>& gamma,
+                const T& decay) {
+    return maximum(T(T(0.5) * gamma.at * k.above - t * sf<T>::near(a, t, k, gamma, decay)), T(0));
+  }
+  static T added(const T&, const T&, const T& above, double) { return above; }
+};
+
+template <template <class> class Tail, class T>
+T climbing(const T& a, const twofold<T>& t) {
+  bessel::ladder<T> k(T(a - T(0.5)), t.high);
+  const T first = maximum(T(a - k.steps), smallest<T>());
+  const inverse_gammas<T> gamma(first);
+  const auto distant = bessel::is_far(k.y);
+  T sum = choose(
+      distant,
+      [&] {
+        return T(k.lead * Tail<T>::far(bessel::far_variable(T(select(distant, k.y, T(1)))), k.mu, gamma));
+      },
+      [&] {
+        const T inside = select(distant, T(0.25), k.y);
+        return Tail<T>::near(first, inside, k, gamma, T(exp(-inside)));
+      });
+  T factorial(1);  // Gamma(a)/Gamma(first)/steps!
+  k.scale(T(0.25) * gamma.at);
+  k.climb([&](const auto& up, double j, double inverse, const T& at, const T& above) {
+    const T order = multiply_add(first, T(inverse), T(j * inverse));
+    sum = select(up, multiply_add(order, sum, Tail<T>::added(k.y, at, above, inverse)), sum);
+    factorial = select(up, T(factorial * order), factorial);
+  });
+  const T decay = k.decay(t);  // the tails fall about as the density does
+  return sum * decay * (decay / factorial);
 }
 
-// For the tail: averages of Beckmann's tails over the mixing variable m = m0 e^tau, relative to the same
+// For large a: averages of Beckmann's tails over the mixing variable m = m0 e^tau, relative to the same
 // average of Beckmann's density, by the trapezoidal rule round the peak m0 of the weight.
-template <class T>
-tail_pair<T> tail(const T& a, const T& density, const T& t) {
-  constexpr int most = 400;
-  const T curvature = sqrt(a * a + T(4) * t * t), peak = T(0.5) * (a + curvature);
-  const T spread = t * t / peak, root = sqrt(peak);
-  const T step = minimum(T(0.2), T(T(0.5) / sqrt(curvature)));
-  T sum_density(0), sum_sf(0), sum_excess(0);
-  for (const double sign : {1.0, -1.0}) {
-    for (int j = sign > 0 ? 0 : 1; j < most; ++j) {
-      const T tau = T(sign * j) * step;
-      const T exponent = -peak * expm1_less(tau) - spread * expm1_less(T(-tau));
-      const auto counts = exponent > T(-42);
-      if (!any(counts)) break;
-      const T weight = select(counts, exp(maximum(exponent, T(-80))), T(0));
-      const T sigma = root * exp(T(0.5) * tau), x = t / sigma;
-      sum_density = sum_density + weight / sigma;
-      sum_sf = sum_sf + weight * erfc_scaled(x);
-      sum_excess = sum_excess + weight * sigma * ierfc_scaled(x);
+template <template <class> class Tail, class T>
+T averaged(const T& a, const T& t) {
+  const T curvature = a * sqrt(T(1) + square(T(T(2) * t / a))), peak = T(0.5) * (a + curvature);
+  const T spread = t * t / peak, root = sqrt(peak), step = T(0.5) / sqrt(curvature);
+  T density_sum(0), sum(0);
+  for (int j = -18; j <= 18; ++j) {
+    const T tau = T(j) * step, sigma = root * exp(T(0.5) * tau), x = t / sigma;
+    const T weight = exp(-peak * expm1_less(tau) - spread * expm1_less(T(-tau)));
+    density_sum = density_sum + weight / sigma;
+    if constexpr (std::is_same_v<Tail<T>, sf<T>>) {
+      sum = sum + weight * erfc_scaled(x);
+    } else {
+      sum = sum + weight * sigma * ierfc_scaled(x);
     }
   }
-  const T scale = density * T(0.5 * sqrt_pi) / sum_density;
-  return {scale * sum_sf, scale * sum_excess};
+  return T(0.5 * sqrt_pi) * density(a, twofold<T>(t)) * sum / density_sum;
 }
 
-template <class T>
-tail_pair<T> tails(const T& a, const T& t) {
-  const bessel::neighbours<T> k = bessel::orders(T(a - T(0.5)), t);
-  const auto far = in_tail(a, t);
+template <template <class> class Tail, class T>
+T tail(const T& a, const twofold<T>& t) {
+  const auto large = a >= T(bessel::large_order);
   return choose(
-      far, [&] { return tail(a, density(a, k), T(select(far, t, sqrt(a)))); },
-      [&] { return centre(a, T(select(far, T(T(0.1) * sqrt(a)), t)), k); });
+      large, [&] { return averaged<Tail>(T(select(large, a, T(bessel::large_order))), t.high); },
+      [&] { return climbing<Tail>(T(select(large, T(1), a)), t); });
+}
+
+}  // namespace detail
+
+// int_t^inf P2 and int_t^inf (y - t) P2(y) dy for t >= 0.
+template <class T>
+T sf(const T& a, const twofold<T>& t) {
+  return minimum(detail::tail<detail::sf>(a, t), T(0.5));
+}
+template <class T>
+T excess(const T& a, const twofold<T>& t) {
+  return detail::tail<detail::excess>(a, t);
 }
 
 }  // namespace microfacet::variance_gamma
