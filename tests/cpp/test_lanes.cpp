@@ -37,7 +37,7 @@ std::vector<point> points(const std::vector<double>& shapes, double lower, doubl
   return all;
 }
 
-pack lanes_of(const std::vector<point>& all, double point::*member, std::size_t first, std::size_t stride) {
+pack lanes_of(const std::vector<point>& all, double point::* member, std::size_t first, std::size_t stride) {
   pack p(0.0);
   for (int i = 0; i < pack::size; ++i)
     p.set(i, all[(first + static_cast<std::size_t>(i) * stride) % all.size()].*member);

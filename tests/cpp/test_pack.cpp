@@ -93,6 +93,18 @@ TEST(bits_go_there_and_back) {
   });
 }
 
+TEST(integers_wrap_round) {
+  each_pack([]<class Pack> {
+    using Integers = typename Pack::integers;
+    using I = typename Integers::lane;
+    using limits = std::numeric_limits<I>;
+    const Integers most(limits::max()), least(limits::min()), one(1), two(2);
+    const Integers above = most + one, below = least - one, twice = most * two;
+    for (int i = 0; i < Pack::size; ++i)
+      CHECK(above[i] == limits::min() && below[i] == limits::max() && twice[i] == -2);
+  });
+}
+
 TEST(converts_explicitly) {
   each_pack([]<class Pack> {
     using T = typename Pack::lane;

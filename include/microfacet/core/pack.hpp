@@ -40,13 +40,24 @@ struct pack {
   T operator[](int i) const { return v[i * K / size][i % (size / K)]; }
   void set(int i, T x) { v[i * K / size][i % (size / K)] = x; }
 
+  // Integers wrap round, as the instructions do; of signed ones the language does not say so.
+  using modular_lane =
+      typename std::conditional_t<std::is_integral_v<T>, std::make_unsigned<T>, std::type_identity<T>>::type;
+  typedef modular_lane modular __attribute__((vector_size(Bytes)));
+#define MICROFACET_ARITHMETIC(OP)                                                                     \
+  MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) {                           \
+    return from([&](int k) {                                                                          \
+      return std::bit_cast<vector>(std::bit_cast<modular>(a.v[k]) OP std::bit_cast<modular>(b.v[k])); \
+    });                                                                                               \
+  }
+  MICROFACET_ARITHMETIC(+)
+  MICROFACET_ARITHMETIC(-)
+  MICROFACET_ARITHMETIC(*)
+#undef MICROFACET_ARITHMETIC
 #define MICROFACET_BINARY(RESULT, OP)                                         \
   MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) { \
     return RESULT::from([&](int k) { return a.v[k] OP b.v[k]; });             \
   }
-  MICROFACET_BINARY(pack, +)
-  MICROFACET_BINARY(pack, -)
-  MICROFACET_BINARY(pack, *)
   MICROFACET_BINARY(pack, /)
   MICROFACET_BINARY(pack, &)
   MICROFACET_BINARY(pack, |)
@@ -84,9 +95,9 @@ struct pack {
 
 template <class T, std::size_t B, int K>
 MICROFACET_INLINE bool any(const pack<T, B, K>& mask) {
-  T all{};
-  for (int i = 0; i < pack<T, B, K>::size; ++i) all |= mask[i];
-  return all != 0;
+  typename pack<T, B, K>::vector all = mask.v[0];
+  for (int k = 1; k < K; ++k) all |= mask.v[k];
+  return registers::any(all);
 }
 
 template <class T, std::size_t B, int K>

@@ -1,5 +1,6 @@
-// The two instructions that a register's operators do not reach: a * b + c rounded once, and sqrt. On x86-64
-// by name, elsewhere by a loop over the lanes that the compiler turns into the instruction if it can.
+// The instructions that a register's operators do not reach: a * b + c rounded once, sqrt, and whether any
+// lane of a mask is set. On x86-64 by name, elsewhere by a loop over the lanes that the compiler turns into
+// the instruction if it can.
 #pragma once
 
 #include <cmath>
@@ -21,6 +22,28 @@ template <class Vector>
 MICROFACET_INLINE Vector fused(Vector a, const Vector& b, const Vector& c) {
   for (unsigned i = 0; i < sizeof a / sizeof a[0]; ++i) a[i] = std::fma(a[i], b[i], c[i]);
   return a;
+}
+// Of lanes that are 0 or -1.
+template <class Vector>
+MICROFACET_INLINE bool any(const Vector& mask) {
+#if defined(__x86_64__)
+  if constexpr (sizeof mask == 16) return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask)) != 0;
+#if defined(__AVX__)
+  if constexpr (sizeof mask == 32) {
+    const __m256i all = reinterpret_cast<__m256i>(mask);
+    return !_mm256_testz_si256(all, all);
+  }
+#endif
+#if defined(__AVX512F__)
+  if constexpr (sizeof mask == 64) {
+    const __m512i all = reinterpret_cast<__m512i>(mask);
+    return _mm512_test_epi64_mask(all, all) != 0;
+  }
+#endif
+#endif
+  auto lanes = mask[0];
+  for (unsigned i = 1; i < sizeof mask / sizeof mask[0]; ++i) lanes |= mask[i];
+  return lanes != 0;
 }
 
 #if defined(__x86_64__)
