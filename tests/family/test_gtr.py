@@ -57,3 +57,12 @@ def test_henyey_greenstein_at_gamma_three_halves() -> None:
     phase = (1 - g * g) / (1 + g * g - 2 * g * (2 * U**2 - 1)) ** 1.5
     ratio = mf.gtr.D(U, alpha, 1.5) / phase
     assert_allclose(ratio, ratio[0], rtol=1e-13)
+
+
+@pytest.mark.parametrize("gamma", [0.4, 1.0, 2.5, 15.0])
+@pytest.mark.parametrize("alpha", [1e-4, 0.3, 1.0, 10.0])
+def test_the_smallest_slopes_are_sampled(alpha: float, gamma: float) -> None:
+    """About the normal xi = pi slope^2 P22(0), also where the square of the slope underflows."""
+    xi = np.array([1e-300, 1e-280, 1e-200, 1e-100])
+    expected = np.sqrt(xi) / np.sqrt(np.pi * mf.gtr.P22(0.0, 0.0, alpha, gamma))
+    assert_allclose(mf.gtr.sample_slope(xi, alpha, gamma), expected, rtol=1e-13)

@@ -60,3 +60,11 @@ def test_moments(gamma: float) -> None:
     assert_allclose(
         mf.student_t.sigma(0.0, ALPHA, gamma), np.exp(expected), rtol=1e-8
     )  # gammaln of 1e6 cancels
+
+
+@pytest.mark.parametrize("gamma", [1.6, 3.0, 1e4])
+def test_no_slope_is_too_small(gamma: float) -> None:
+    """Where the square of a slope is about the smallest normal number, sigma and slopes are as at 0."""
+    x = np.sqrt((gamma - 1) * np.finfo(float).tiny) * np.geomspace(0.1, 10, 301)
+    assert_allclose(mf.student_t.sigma(-x, 1.0, gamma), mf.student_t.sigma(0.0, 1.0, gamma), rtol=3e-15)
+    assert_allclose(mf.student_t.slope_cdf(-x, 1.0, gamma), 0.5, rtol=3e-15)

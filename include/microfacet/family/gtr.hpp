@@ -74,11 +74,14 @@ class gtr {
     return minimum(T(l_over_span / omega_ * ratio), T(1));
   }
 
-  // V and L at survival 1 - xi, each over beta; r2 = max(alpha^2, 1) (1 - exp(-V))/(exp(L) - 1).
-  T radius2(const T& xi) const {
+  T radius2(const T& xi) const { return square(radius(xi)); }
+  // V and L at survival 1 - xi, each over beta; r2 = max(alpha^2, 1) (1 - exp(-V))/(exp(L) - 1), which
+  // underflows before its root.
+  T radius(const T& xi) const {
     const T rest = T(1) - xi;
     const T v = log_mean_exp(xi, rest, T(-g_ * beta_), down_), l = log_mean_exp(rest, xi, T(g_ * beta_), up_);
-    return larger_ * (v * expm1_over(T(-beta_ * v))) / (l * expm1_over(T(beta_ * l)));
+    const T rise = sqrt(v * expm1_over(T(-beta_ * v))), fall = sqrt(l * expm1_over(T(beta_ * l)));
+    return maximum(alpha_, T(1)) * rise / fall;
   }
 
   T P2(const slope<T>& t_argument) const {

@@ -28,9 +28,10 @@ struct arguments {
   T kappa, root, slope;  // 1/K, sqrt(q/K), sqrt(q K)
 
   arguments(const T& k_, const T& y_argument, const T& q_argument) : k(k_) {
-    const T y = maximum(y_argument, smallest<T>());
+    const T least = T(4) * smallest<T>();  // below, halves on the way to q are flushed to zero
+    const T y = maximum(y_argument, least);
     z = T(1) / (T(1) + y), w = y * z;
-    q = minimum(maximum(q_argument, smallest<T>()), T(q_end));
+    q = minimum(maximum(q_argument, least), T(q_end));
     kappa = T(1) / (k + T(half_step_shift)), root = sqrt(q * kappa), slope = root * (k + T(half_step_shift));
   }
   template <class Table>
