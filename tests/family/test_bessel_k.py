@@ -64,6 +64,25 @@ def test_rounding_lifts_no_probability_above_its_limit() -> None:
         assert np.all(mf.bessel_k.slope_cdf(-slope, 0.3, a) <= 0.5)
 
 
+@pytest.mark.parametrize("a", [1e-5, 1e-3, 0.03, 0.12, 0.126, 0.3])
+def test_tail_of_a_small_order(a: float) -> None:
+    """Pr(slope > t) is about a E_1(2t) and far below 1/2: it has its digits all the same.
+
+    P2 integrated over log t by the trapezoidal rule.
+    """
+    t = np.array([1e-30, 1e-6, 0.02, 0.2, 0.2499, 0.25, 0.2501, 0.7])
+    log_slope = np.log(t)[:, None] + 0.01 * np.arange(10_000)
+    weight = np.where(np.arange(10_000) == 0, 0.5, 1.0) * 0.01
+    slope = np.exp(np.minimum(log_slope, 8.0))
+    ordinates = slope * mf.bessel_k.P2(slope, 1.0, a)
+    # Euler and Maclaurin: the derivative of the integrand t P2 by log t at the lower end.
+    step = np.array([-2, -1, 1, 2])
+    stencil = t[:, None] * np.exp(1e-3 * step)
+    derivative = (stencil * mf.bessel_k.P2(stencil, 1.0, a)) @ (np.array([1, -8, 8, -1]) / 12e-3)
+    expected = ordinates @ weight + 0.01**2 / 12 * derivative
+    assert_allclose(mf.bessel_k.slope_cdf(-t, 1.0, a), expected, rtol=1e-9)
+
+
 def test_tends_to_beckmann() -> None:
     """At fixed E[p^2] like 1/a: Richardson's extrapolation from two large a."""
     coarse, fine = (mf.bessel_k.sigma(U, ALPHA / np.sqrt(a), a) for a in (70.0, 140.0))

@@ -52,9 +52,11 @@ T clamped(const T& y, const T& order) {
 
 // Orders nu = mu + steps below `large_order`, -1/2 < mu <= 1/2 (-1/2 only for nu = -1/2). Rung j is
 // y^2 h_{mu+j-1}/(j + 1)!, h_{mu+j}/j! and h_{mu+j+1}/(j + 1)!, over exp(-2y): nothing over- or underflows.
-inline constexpr double large_order = 400;
+template <class T>
+inline constexpr double large_order =
+    by_precision<T>(40.0F, 400.0);  // in float, larger ones overflow far out
 inline constexpr auto reciprocals = [] {
-  std::array<double, static_cast<std::size_t>(large_order) + 3> values{};
+  std::array<double, static_cast<std::size_t>(large_order<double>) + 3> values{};
   for (std::size_t n = 1; n < values.size(); ++n) values[n] = 1.0 / static_cast<double>(n);
   return values;
 }();
@@ -141,10 +143,10 @@ neighbours<T> debye(const T& nu, const T& y) {
 // h_nu and its neighbours for nu >= -1/2.
 template <class T>
 neighbours<T> orders(const T& nu, const twofold<T>& y) {
-  const auto large = nu >= T(large_order);
+  const auto large = nu >= T(large_order<T>);
   return choose(
       large,
-      [&] { return debye(T(select(large, nu, T(large_order))), maximum(y.high, least_argument<T>())); },
+      [&] { return debye(T(select(large, nu, T(large_order<T>))), maximum(y.high, least_argument<T>())); },
       [&] { return climb(T(select(large, T(0), nu)), y); });
 }
 

@@ -36,6 +36,25 @@ T centre_series(const T& w, const T& b) {
   return numerator / denominator;
 }
 
+// Pr(slope > t) for t <= 1/4 and a <= 1/8, where it may be far below 1/2: 1/2 less both power series of the
+// density (DLMF 10.27.4, 10.25.2) integrated, the leading term of one of which is exp(a G(a)) t^(2a)/2.
+template <class T>
+T tail_of_small_order(const T& a, const T& t) {
+  using namespace coefficients;
+  const T g = polynomial(by_precision<T>(variance_gamma_centre_32, variance_gamma_centre_64), a);
+  const T lost = T(-0.5) * expm1(a * (g + T(2) * log(t))), w = t * t;  // 1/2 less that term
+  // sum_n a/(a + n) w^n/(n! (a + 1/2)_n) and sum_n w^n/((2n + 1) n! (3/2 - a)_n), n >= 1
+  T even(0), even_denominator(1), odd(0), odd_denominator(1);
+  for (int n = 7; n > 0; --n) {
+    even = w * multiply_add(a + T(n), even, T(a * even_denominator));
+    even_denominator = even_denominator * (T(n) * (T(n - 0.5) + a) * (T(n) + a));
+    odd = w * multiply_add(T(1.0 / (2 * n + 1)), odd_denominator, odd);
+    odd_denominator = odd_denominator * (T(n) * (T(n + 0.5) - a));
+  }
+  const T rise = T(1 / sqrt_pi) * gamma_half_step(a) * sqrt(a) / (T(0.5) - a);
+  return lost - (T(0.5) - lost) * (even / even_denominator) + t * rise * (T(1) + odd / odd_denominator);
+}
+
 // 1/sqrt(pi) over Gamma(a) and Gamma(a + 1), 0 < a <= 1.
 template <class T>
 struct inverse_gammas {
@@ -62,10 +81,16 @@ struct sf {
   // functions L (DLMF 10.43.2), in which every term is positive.
   static T near(const T& a, const T& t, const bessel::ladder<T>& k, const inverse_gammas<T>& gamma,
                 const T& decay) {
-    const T w = t * t, third = w * T(1 / 1.5);
-    const T lower = a + third * centre_series(w, T(a + T(1)));
-    const T upper = T(1) + third / (a + T(1)) * centre_series(w, T(a + T(2)));
-    return maximum(T(T(0.5) / square(decay) - t * gamma.above * (k.at * lower + k.below * upper)), T(0));
+    const auto small = a <= T(0.125);
+    const T half = T(0.5) / square(decay);
+    return choose(
+        small, [&] { return T(2) * half * tail_of_small_order(T(select(small, a, T(0.125))), t); },
+        [&] {
+          const T w = t * t, third = w * T(1 / 1.5);
+          const T lower = a + third * centre_series(w, T(a + T(1)));
+          const T upper = T(1) + third / (a + T(1)) * centre_series(w, T(a + T(2)));
+          return maximum(T(half - t * gamma.above * (k.at * lower + k.below * upper)), T(0));
+        });
   }
   static T added(const T& t, const T& at, const T&, double inverse) { return t * (at * T(2 * inverse)); }
 };
@@ -132,9 +157,9 @@ T averaged(const T& a, const T& t) {
 
 template <template <class> class Tail, class T>
 T tail(const T& a, const twofold<T>& t) {
-  const auto large = a >= T(bessel::large_order);
+  const auto large = a >= T(bessel::large_order<T>);
   return choose(
-      large, [&] { return averaged<Tail>(T(select(large, a, T(bessel::large_order))), t.high); },
+      large, [&] { return averaged<Tail>(T(select(large, a, T(bessel::large_order<T>))), t.high); },
       [&] { return climbing<Tail>(T(select(large, T(1), a)), t); });
 }
 

@@ -7,6 +7,16 @@
 
 namespace microfacet::coefficients {
 
+// log(Gamma(1/2 - a)/(sqrt(pi) Gamma(1 + a)))/a, a <= 1/8: error 6.3e-8
+inline constexpr std::array<float, 6> variance_gamma_centre_32{
+    2.5407257F, 1.6449757F, 3.2016163F, 3.9142551F, 4.826717F, 21.668373F};
+
+// log(Gamma(1/2 - a)/(sqrt(pi) Gamma(1 + a)))/a, a <= 1/8: error 1.5e-17
+inline constexpr std::array<double, 15> variance_gamma_centre_64{
+    2.5407256909229563, 1.6449340668482209, 3.205485075095761, 3.788131317172672, 6.636337732224144,
+    10.512537715597865, 18.43873197112669, 31.868245501707587, 57.25897800828233, 98.14208557187781,
+    234.48101804952063, -51.200420775407764, 2793.3462022971275, -6285.917783462567, 15370.801538484702};
+
 // Pr(slope > y), in t and mu: error 2.5e-08
 inline constexpr bivariate<float, 14, 14, 12, 11, 9, 7, 7, 7, 5> variance_gamma_tail_32{{
     0.44708797F, -0.1106723F, -0.052776612F, 0.01333845F, 0.0053418186F, -0.0035628325F, 0.00032496746F,
