@@ -107,3 +107,11 @@ def test_beckmann_limit_without_bound() -> None:
     for name, value in (("D", 0.9), ("Lambda", 0.2), ("slope_cdf", -0.5), ("sample_slope", 0.3), ("P2", 0.1)):
         ours = getattr(mf.bessel_k, name)(value, alpha / np.sqrt(a), a)
         assert_allclose(ours, getattr(mf.beckmann, name)(value, alpha), rtol=2e-14, err_msg=name)
+
+
+@pytest.mark.parametrize("a", [0.3, 0.7, 1.0, 20.0, 399.9, 450.0, 1e6])
+def test_nothing_is_left_at_infinity(a: float) -> None:
+    for slope in (1e160, 1e300, np.inf):
+        for alpha in (1e-4, 1.0, 10.0):
+            assert mf.bessel_k.P2(slope, alpha, a) == mf.bessel_k.P22(slope, 0.0, alpha, a) == 0
+            assert mf.bessel_k.survival(slope, alpha, a) == mf.bessel_k.slope_cdf(-slope, alpha, a) == 0

@@ -37,16 +37,16 @@ class bessel_k {
   explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(inf)), a)) {}
 
   T nothing() const { return T(0) * a_; }
-  T P22(const twofold<T>& r2) const { return density(root(r2), T(1)); }
+  T P22(const twofold<T>& r2) const { return density(sqrt(r2), T(1)); }
   // The density of slopes of length y; near its singularity the square of y underflows first.
   T P22_of_slope(const T& y) const { return density(twofold<T>(y), T(1)); }
   T D(const T& z_argument, const twofold<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
-    return density(root(quotient(h2, exact_product(z, z), reciprocal)), reciprocal);
+    return density(sqrt(quotient(h2, exact_product(z, z), reciprocal)), reciprocal);
   }
   T survival(const twofold<T>& r2) const {
-    const bessel::neighbours<T> k = bessel::orders(a_, root(r2));
+    const bessel::neighbours<T> k = bessel::orders(a_, sqrt(r2));
     return minimum(T(a_ * k.at * k.decay * k.decay), T(1));
   }
   T radius2(const T& xi) const { return square(radius(xi)); }
@@ -90,10 +90,6 @@ class bessel_k {
   T slope_excess(const slope<T>& x) const { return variance_gamma::excess(a_, x.value); }
 
  private:
-  static twofold<T> root(const twofold<T>& r2) {
-    const twofold<T> y = sqrt(r2);
-    return {y.high, select(abs(y.low) < y.high, y.low, T(0))};  // nothing corrects 0 and infinity
-  }
   // At slopes of length y, times `factor` squared, from h_{a-1}: directly for a >= 1/2, else through y^2
   // h_{a-1}, the neighbour below order a.
   T density(const twofold<T>& y, const T& factor) const {

@@ -107,7 +107,8 @@ struct ladder {
   // exp(-y), changed so that its square corrects h for y.low: h' = -2y h_{nu-1}.
   T decay(const twofold<T>& exact) const {
     const T e = exp(-exact.high), slope = (steps + T(1)) * (below / at / y);
-    return e - e * (exact.low * slope);
+    const T low = select(abs(exact.low) < exact.high, exact.low, T(0));  // nothing corrects 0 and infinity
+    return e - e * (low * slope);
   }
 };
 
@@ -146,7 +147,10 @@ neighbours<T> orders(const T& nu, const twofold<T>& y) {
   const auto large = nu >= T(large_order<T>);
   return choose(
       large,
-      [&] { return debye(T(select(large, nu, T(large_order<T>))), maximum(y.high, least_argument<T>())); },
+      [&] {
+        const T inside = minimum(maximum(y.high, least_argument<T>()), largest_slope<T>());
+        return debye(T(select(large, nu, T(large_order<T>))), inside);
+      },
       [&] { return climb(T(select(large, T(0), nu)), y); });
 }
 
