@@ -75,7 +75,9 @@ def centre() -> list[str]:
     for bits, kind in FORMATS:
         problem = Problem(exponent, lambda a: 1 / exponent(a), mpf(0), mpf(1) / 8, powers(0, CENTRE[bits]))
         fit = rounded(problem, minimax(problem), kind)
-        comment = f"log(Gamma(1/2 - a)/(sqrt(pi) Gamma(1 + a)))/a, a <= 1/8: error {mpmath.nstr(fit.error, 2)}"
+        comment = (
+            f"log(Gamma(1/2 - a)/(sqrt(pi) Gamma(1 + a)))/a, a <= 1/8: error {mpmath.nstr(fit.error, 2)}"
+        )
         parts.append(array(f"variance_gamma_centre_{bits}", comment, fit.numerator, kind))
     return parts
 
