@@ -15,6 +15,8 @@ namespace microfacet::bindings {
 inline constexpr std::ptrdiff_t block = 256;
 template <class T>
 using buffer = std::array<T, block>;
+template <class T>
+inline constexpr std::ptrdiff_t filled_up = width<lanes<T, most_registers>>;  // numbers come in multiples
 
 // `count` numbers of type From, `stride` bytes apart; the last one fills up the lanes, so that no lane does
 // what none asked for.
@@ -27,7 +29,7 @@ void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buf
     for (std::ptrdiff_t i = 0; i < count; ++i)
       target[i] = static_cast<To>(*reinterpret_cast<const From*>(source + i * stride));
   }
-  for (std::ptrdiff_t i = count; i % width<To> != 0; ++i) target[i] = target[count - 1];
+  for (std::ptrdiff_t i = count; i % filled_up<To> != 0; ++i) target[i] = target[count - 1];
 }
 template <class From, class To>
 void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, std::ptrdiff_t count) {
@@ -61,7 +63,7 @@ void in_blocks(const block_plan& plan, char* const* args, const std::ptrdiff_t* 
   for (std::ptrdiff_t first = 0; first < n; first += block) {
     const std::ptrdiff_t count = std::min(block, n - first);
     const auto direct = [&](std::size_t a) {
-      return std::is_same_v<T, Compute> && steps[a] == sizeof(T) && count % width<Compute> == 0;
+      return std::is_same_v<T, Compute> && steps[a] == sizeof(T) && count % filled_up<Compute> == 0;
     };
     const auto at = [&](std::size_t a) { return args[a] + first * steps[a]; };
     for (std::size_t a = 0; a < (constant ? plan.values : plan.inputs); ++a) {

@@ -25,26 +25,29 @@ inline constexpr std::size_t register_bytes = 16;
 #endif
 
 // The widest thing that the kernels of this build compute on: a pack, or where the compiler has none, a
-// number.
+// number. Two registers interleave the chains of a kernel that is one long chain.
 #if MICROFACET_VECTOR_EXTENSIONS
-template <class T>
-using lanes = pack<T, register_bytes>;
+template <class T, int Registers = 1>
+using lanes = pack<T, register_bytes, Registers>;
 #else
-template <class T>
+template <class T, int = 1>
 using lanes = T;
 #endif
+inline constexpr int most_registers = 2;
 
-template <class T>
-inline constexpr int width = sizeof(lanes<T>) / sizeof(T);
+template <class Lanes>
+using lane_of = typename scalar_traits<Lanes>::real;
+template <class Lanes>
+inline constexpr int width = sizeof(Lanes) / sizeof(lane_of<Lanes>);
 
-template <class T>
-MICROFACET_INLINE lanes<T> load(const T* source) {
-  lanes<T> result;
+template <class Lanes>
+MICROFACET_INLINE Lanes load(const lane_of<Lanes>* source) {
+  Lanes result;
   std::memcpy(&result, source, sizeof result);
   return result;
 }
-template <class T>
-MICROFACET_INLINE void store(const lanes<T>& values, T* target) {
+template <class Lanes>
+MICROFACET_INLINE void store(const Lanes& values, lane_of<Lanes>* target) {
   std::memcpy(target, &values, sizeof values);
 }
 

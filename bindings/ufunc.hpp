@@ -29,6 +29,7 @@
 #include <utility>
 
 #include "blocks.hpp"
+#include "kernels.hpp"
 #include "lanes.hpp"
 #include "microfacet/core/vec.hpp"
 #include "microfacet/family/prepared.hpp"
@@ -55,23 +56,23 @@ struct ufunc_loops {
 
   template <class T>
   using stored_parameter = std::conditional_t<WideParameters, double, T>;
-  template <class Compute>
-  using parameter_lanes = std::array<twofold<lanes<Compute>>, Model::count>;
+  template <class Lanes>
+  using parameter_lanes = std::array<twofold<Lanes>, Model::count>;
 
-  template <class Compute, class Parameter>
-  MICROFACET_INLINE static parameter_lanes<Compute> parameters(const Parameter& parameter) {
+  template <class Lanes, class Parameter>
+  MICROFACET_INLINE static parameter_lanes<Lanes> parameters(const Parameter& parameter) {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return parameter_lanes<Compute>{parameter(I)...};
+      return parameter_lanes<Lanes>{parameter(I)...};
     }(std::make_index_sequence<Model::count>());
   }
   // Parameters that are the same for all elements, with all digits of what is stored.
-  template <class Compute, class Stored>
-  static parameter_lanes<Compute> constant_parameters(char* const* args) {
-    return parameters<Compute>([&](std::size_t a) {
+  template <class Lanes, class Stored>
+  static parameter_lanes<Lanes> constant_parameters(char* const* args) {
+    using Compute = lane_of<Lanes>;
+    return parameters<Lanes>([&](std::size_t a) {
       const Stored value = *reinterpret_cast<const Stored*>(args[values + a]);
       const Compute high = static_cast<Compute>(value);
-      return twofold<lanes<Compute>>(lanes<Compute>(high),
-                                     lanes<Compute>(static_cast<Compute>(value - high)));
+      return twofold<Lanes>(Lanes(high), Lanes(static_cast<Compute>(value - high)));
     });
   }
   template <class Lanes>
@@ -79,29 +80,21 @@ struct ufunc_loops {
     return make_distribution(make_family<Model>(p), Model::shape(p), p);
   }
 
-  // One step of lanes of type Compute, from element i on.
-  template <class Compute, class Distribution>
-  MICROFACET_INLINE static void evaluate(const Distribution& d, const Compute* const* in, Compute* const* out,
-                                         npy_intp i) {
-    std::array<lanes<Compute>, values> x;
-    std::array<lanes<Compute>, outputs> y;
-    for (std::size_t a = 0; a < values; ++a) x[a] = load(in[a] + i);
-    Operation::apply(d, x.data(), y.data());
-    for (std::size_t a = 0; a < outputs; ++a) store(y[a], out[a] + i);
+  template <class Lanes, class Distribution>
+  static constexpr block_kernel<lane_of<Lanes>> own_kernel() {
+    if constexpr (Model::family::costly == 0) {
+      return &evaluate_flat<Operation, Lanes, Distribution>;
+    } else {
+      return &evaluate_constant<Operation, Lanes, Distribution>;
+    }
   }
-  template <class Compute, class Distribution>
-  static void evaluate_constant(const void* distribution, const Compute* const* in, Compute* const* out,
-                                npy_intp n) {
-    // A copy, which no store to an array can change.
-    const Distribution d = *static_cast<const Distribution*>(distribution);
-    for (npy_intp i = 0; i < n; i += width<Compute>) evaluate<Compute>(d, in, out, i);
-  }
-  template <class Compute>
-  static void evaluate_varying(const void*, const Compute* const* in, Compute* const* out, npy_intp n) {
-    for (npy_intp i = 0; i < n; i += width<Compute>) {
-      const auto p = parameters<Compute>(
-          [&](std::size_t a) { return twofold<lanes<Compute>>(load(in[values + a] + i)); });
-      evaluate<Compute>(own_distribution(p.data()), in, out, i);
+  template <class Lanes>
+  static void evaluate_varying(const void*, const lane_of<Lanes>* const* in, lane_of<Lanes>* const* out,
+                               npy_intp n) {
+    for (npy_intp i = 0; i < n; i += width<Lanes>) {
+      const auto p =
+          parameters<Lanes>([&](std::size_t a) { return twofold<Lanes>(load<Lanes>(in[values + a] + i)); });
+      evaluate<Operation, Lanes>(own_distribution(p.data()), in, out, i);
     }
   }
 
@@ -114,14 +107,14 @@ struct ufunc_loops {
   template <class Compute, class T>
   static void run(char* const* args, const npy_intp* steps, npy_intp n, bool constant) {
     if (constant) {
-      const auto p = constant_parameters<Compute, stored_parameter<T>>(args);
+      const auto p = constant_parameters<lanes<Compute>, stored_parameter<T>>(args);
       const auto d = own_distribution(p.data());
-      in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_constant<Compute, decltype(d)>, &d);
+      in_blocks<Compute, T>(plan, args, steps, n, true, own_kernel<lanes<Compute>, decltype(d)>(), &d);
     } else if constexpr (WideParameters) {
       // Frozen distributions have constant parameters: no kernel of its own for others.
       for (npy_intp i = 0; i < n; ++i) run<Compute, T>(shifted(args, steps, i).data(), steps, 1, true);
     } else {
-      in_blocks<Compute, T>(plan, args, steps, n, false, &evaluate_varying<Compute>, nullptr);
+      in_blocks<Compute, T>(plan, args, steps, n, false, &evaluate_varying<lanes<Compute>>, nullptr);
     }
   }
 
@@ -132,10 +125,12 @@ struct ufunc_loops {
       numbers[a] = static_cast<double>(*reinterpret_cast<const stored_parameter<T>*>(args[values + a]));
     const auto tables = prepared_tables<Model, Compute>(numbers.data(), Operation::needs);
     if (tables == nullptr) return false;
-    const auto p = constant_parameters<Compute, stored_parameter<T>>(args);
+    using table_lanes = lanes<Compute, most_registers>;
+    const auto p = constant_parameters<table_lanes, stored_parameter<T>>(args);
     const auto d =
-        make_distribution(table_density<Model, lanes<Compute>>(*tables), Model::shape(p.data()), p.data());
-    in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_constant<Compute, decltype(d)>, &d);
+        make_distribution(table_density<Model, table_lanes>(*tables), Model::shape(p.data()), p.data());
+    in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_flat<Operation, table_lanes, decltype(d)>,
+                          &d);
     return true;
   }
 

@@ -91,7 +91,7 @@ struct interpolant {
     std::array<double, points> at, f, t;
     for (std::size_t j = 0; j < N; ++j) at[j] = p.centre + p.half * waves[2 * j + 1];
     for (std::size_t j = N; j < points; ++j) at[j] = p.centre + p.half * waves[2 * extrema[j - N]];
-    sample(at.data(), f.data(), static_cast<int>(points));
+    sample(at.data(), f.data(), points);
     p.reference = f[N / 2];
     double swing = 0, worst = 0;
     for (std::size_t j = 0; j < points; ++j) {

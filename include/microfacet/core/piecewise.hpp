@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "microfacet/core/elementary.hpp"
+#include "microfacet/core/log_ratio.hpp"
 #include "microfacet/core/lookup.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
@@ -64,7 +65,7 @@ struct piecewise {
   template <class R>
   MICROFACET_INLINE R of_root(const R& x) const {
     const twofold<R> x2 = exact_product(x, x);
-    const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_less<2>(inside, R(0), R(centre[0]));
+    const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_ratio<2>(inside, R(0), R(centre[0]));
     const R near = polynomial_of<true>(v, elementary::integers<R>(0), R(1));
     const R f = select(x2.high >= R(lower), (*this)(x2), near);
     return select(x >= smallest<R>(), f, R(R(at_zero) + (x - x)));
@@ -91,7 +92,7 @@ struct piecewise {
     const auto finite = x.high < R(most);
     const R high = select(finite, x.high, R(most)), low = select(finite, x.low, R(0));
     const elementary::integers<R> i = piece<Few>(high);
-    return polynomial_of<Few>(log_less<1>(high, low, lookup<pieces<Few>>(centre, i)), i, factor);
+    return polynomial_of<Few>(log_ratio<1>(high, low, lookup<pieces<Few>>(centre, i)), i, factor);
   }
   template <bool Few>
   static constexpr std::size_t pieces = Few ? most_pieces / 2 : most_pieces;
@@ -115,33 +116,6 @@ struct piecewise {
   }
 #endif
 
-  // Times log(x + low) - centre, for x positive and normal: x = 2^n (1 + e).
-  template <int Times, class R>
-  MICROFACET_INLINE static R log_less(const R& x, const R& low, const R& centre) {
-    using f = elementary::format<R>;
-    using integers = elementary::integers<R>;
-    using elementary::bits;
-    using elementary::from_bits;
-    if constexpr (sizeof(T) == 4) {
-      // log(1 + e) = e + e^2 (e Q(e) - 1/2), without the division, for which a float32 is too short.
-      const integers shifted = bits(x) - integers(f::sqrt_half);
-      const integers exponent = shifted & integers(~((bits_type(1) << f::mantissa) - 1));
-      const R power = from_bits(integers(integers(elementary::bits(T(1))) - exponent), x);
-      const R n = from_bits(integers((shifted >> f::mantissa) + integers(elementary::bits(T(f::round)))), x) -
-                  R(f::round);
-      const R e = multiply_add(low, power, R(from_bits(integers(bits(x) - exponent), x) - R(1)));
-      const auto& q = coefficients::log_polynomial_32;
-      const R bend =
-          multiply_add(interleaved<q.size()>([&q](std::size_t k) { return R(q[k]); }, e), e, R(-0.5));
-      const R rest = multiply_add(R(e * e), bend, R(R(f::ln2_low) * n));
-      return multiply_add(R(R(Times) * n), R(f::ln2_high), R(-centre)) + R(Times) * e + R(Times) * rest;
-    } else {
-      const elementary::reduced_logarithm<R> l = elementary::reduce_log(x, low);
-      const R rest = multiply_add(l.n, R(-f::ln2_low), l.less), n = R(Times) * l.n;
-      return multiply_add(n, R(f::ln2_high), R(-centre)) + R(Times) * l.e - R(Times) * rest;
-    }
-  }
-
   // f(centre) exp(v p(v)): abs(v p(v)) < 700 in float64, 30 in float32, so that no power of two overflows.
   template <bool Few, class R>
   MICROFACET_INLINE R polynomial_of(const R& v, const elementary::integers<R>& i, const R& factor) const {
@@ -160,22 +134,6 @@ struct piecewise {
     const R power = from_bits(integers((bits(shifted) << format::mantissa) + integers(format::half)), t);
     const R scale = lookup<pieces<Few>>(twice_value, i) * factor * power;
     return multiply_add(scale, excess, scale);
-  }
-
-  // sum_k c(k) x^k in two chains, for up to 10 terms, or four: what is wanted soon is no long chain.
-  template <std::size_t N, class Coefficients, class R>
-  MICROFACET_INLINE static R interleaved(const Coefficients& c, const R& x) {
-    constexpr std::size_t chains = N > 10 ? 4 : 2;
-    const R x2 = x * x, step = chains == 4 ? R(x2 * x2) : x2;
-    const auto chain = [&](std::size_t first) {
-      std::size_t k = first + (N - 1 - first) / chains * chains;
-      R sum = c(k);
-      while (k >= chains) k -= chains, sum = multiply_add(sum, step, c(k));
-      return sum;
-    };
-    const R low = multiply_add(chain(1), x, chain(0));
-    if constexpr (chains == 2) return low;
-    return multiply_add(R(multiply_add(chain(chains - 1), x, chain(chains - 2))), x2, low);
   }
 };
 

@@ -1,6 +1,6 @@
-// Builds a piecewise table from a function that is given in double precision: piece after piece from the
-// left, each over as many cells as Chebyshev interpolation of log f reaches the precision wanted (Trefethen,
-// Approximation Theory and Approximation Practice, 2013). Then the table is measured between the nodes.
+// Builds a piecewise table from a function in double precision: piece after piece from the left, each over as
+// many cells as Chebyshev interpolation of log f reaches the precision wanted (Trefethen, Approximation
+// Theory and Approximation Practice, 2013). Then the table itself is measured between the nodes.
 #pragma once
 
 #include <algorithm>

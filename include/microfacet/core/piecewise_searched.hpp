@@ -8,6 +8,7 @@
 
 #include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/elementary.hpp"
+#include "microfacet/core/log_ratio.hpp"
 #include "microfacet/core/lookup.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
@@ -43,7 +44,7 @@ struct piecewise_searched {
   template <std::size_t N, class R>
   MICROFACET_INLINE R value(const R& x, const R& low) const {
     const elementary::integers<R> i = piece<N>(x);
-    return polynomial_of<N>(log_less<1>(x, low, lookup<N>(centre, i)), i);
+    return polynomial_of<N>(log_ratio<1>(x, low, lookup<N>(centre, i)), i);
   }
 
   template <std::size_t N, class R>
@@ -59,23 +60,6 @@ struct piecewise_searched {
     const elementary::reduced<R> e = elementary::reduce(R(v * multiply_add(odd, v, even)), R(0));
     const R scale = lookup<N>(twice_value, i) * e.power;
     return multiply_add(scale, e.excess, scale);
-  }
-
-  // Times log(x + low) - centre, for x positive and normal.
-  template <int Times, class R>
-  MICROFACET_INLINE static R log_less(const R& x, const R& low, const R& centre) {
-    using f = elementary::format<R>;
-    using integers = elementary::integers<R>;
-    using elementary::bits;
-    using elementary::from_bits;
-    const integers n = (bits(x) - integers(f::sqrt_half)) >> f::mantissa, shift = n << f::mantissa;
-    const R m = from_bits(integers(bits(x) - shift), x),
-            power = from_bits(integers(integers(bits(R(1))) - shift), x);
-    const R real_n = from_bits(integers(integers(bits(R(f::round))) + n), x) - R(f::round);
-    const R e = multiply_add(low, power, R(m - R(1))), s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
-    const R less = half - s * multiply_add(s2, polynomial(f::log, s2), half);
-    const R rest = multiply_add(real_n, R(-f::ln2_low), less);
-    return multiply_add(R(R(Times) * real_n), R(f::ln2_high), R(-centre)) + R(Times) * e - R(Times) * rest;
   }
 
   template <std::size_t N, class R>

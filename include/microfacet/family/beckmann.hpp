@@ -33,7 +33,7 @@ class beckmann {
 
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return exp(-r2) * T(1 / pi); }
-  T D(const T& z_argument, const twofold<T>& h2) const {
+  MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
     const T value = exp<60>(-quotient(h2, exact_product(z, z), reciprocal));

@@ -31,7 +31,7 @@ class gtr {
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
   static constexpr bool native_float32 = false;
-  static constexpr unsigned costly = of_P2 | of_slope_sf | of_slope_excess;
+  static constexpr unsigned costly = of_all & ~of_P22;
 
   gtr(const T& alpha, const T& gamma)
       : alpha_(where((alpha > T(0)) & (alpha < T(inf)), alpha)),

@@ -87,7 +87,7 @@ class k0 {
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }
   T P22_of_slope(const T& y) const { return peaked(detail::k0_functions<T>(y, T(y * y)), y); }
-  T D(const T& z_argument, const twofold<T>& h2) const {
+  MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
     const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);

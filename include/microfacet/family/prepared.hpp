@@ -29,13 +29,16 @@ class prepared {
   explicit prepared(const tables& t) : t_(&t) {}
 
   MICROFACET_INLINE R nothing() const { return R(0); }
-  MICROFACET_INLINE R P22(const twofold<R>& r2) const { return square(t_->root_P22(r2)); }
-  MICROFACET_INLINE R P22_of_slope(const R& r) const { return square(t_->root_P22.of_root(r)); }
-  MICROFACET_INLINE R survival_of_slope(const R& r) const { return t_->survival.of_root(r); }
-  MICROFACET_INLINE R D(const R& z_argument, const twofold<R>& h2) const {
-    const R z = maximum(z_argument, R(4) * sqrt(smallest<R>())), reciprocal = R(1) / (z * z);
-    return square(t_->root_P22(ratio(h2, exact_product(z, z), reciprocal), reciprocal));
+  MICROFACET_INLINE R P22(const twofold<R>& r2) const { return square(R(t_->root_D(r2) / (R(1) + r2.high))); }
+  MICROFACET_INLINE R P22_of_slope(const R& r) const {
+    return square(R(t_->root_D.of_root(r) / (R(1) + r * r)));
   }
+  MICROFACET_INLINE R D(const R& z_argument, const twofold<R>& h2) const {
+    const R z = maximum(z_argument, R(4) * sqrt(smallest<R>()));
+    const twofold<R> z2 = exact_product(z, z);
+    return square(R(t_->root_D(ratio(h2, z2, R(R(1) / z2.high))) / (z2.high + h2.high)));
+  }
+  MICROFACET_INLINE R survival_of_slope(const R& r) const { return t_->survival.of_root(r); }
   MICROFACET_INLINE R survival(const twofold<R>& r2) const { return t_->survival(r2); }
   MICROFACET_INLINE R radius(const R& xi) const {
     return t_->radius(quotient(twofold<R>(xi), exact_sum_of_ordered(R(1), R(-xi))));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -31,7 +32,7 @@ class radial_tables {
  public:
   using table = piecewise<T, single ? 8 : 18>;
 
-  table root_P22;      // the square root of P22 at r2: D = (sqrt(P22)/z^2)^2 where P22 itself underflows
+  table root_D;        // sqrt(P22) (1 + r2) at r2: D(z, h2) = (root_D(h2/z^2)/(z^2 + h2))^2 stays away from 0
   table survival;      // at r2
   table radius;        // at the odds xi/(1 - xi)
   table root_P2;       // the square root of P2 at t > 0
@@ -57,7 +58,7 @@ class radial_tables {
  private:
   template <class Use>
   void each(unsigned functions, const Use& use) const {
-    if (functions & of_P22) use(root_P22);
+    if (functions & of_P22) use(root_D);
     if (functions & of_survival) use(survival);
     if (functions & of_radius) use(radius);
     if (functions & of_P2) use(root_P2);
@@ -70,16 +71,16 @@ namespace detail {
 
 // Calls a function of lanes for n numbers.
 template <class R, class Function>
-void in_lanes(const double* x, double* f, int n, const Function& function) {
-  constexpr int width = sizeof(R) / sizeof(double);
+void in_lanes(const double* x, double* f, std::size_t n, const Function& function) {
+  constexpr std::size_t width = sizeof(R) / sizeof(double);
   std::array<double, width> in, out;
-  for (int i = 0; i < n; i += width) {
-    for (int j = 0; j < width; ++j) in[j] = x[std::min(i + j, n - 1)];
+  for (std::size_t i = 0; i < n; i += width) {
+    for (std::size_t j = 0; j < width; ++j) in[j] = x[std::min(i + j, n - 1)];
     R a;
     std::memcpy(&a, in.data(), sizeof a);
     const R b = function(a);
     std::memcpy(out.data(), &b, sizeof b);
-    for (int j = 0; j < width && i + j < n; ++j) f[i + j] = out[j];
+    std::copy_n(out.data(), std::min(width, n - i), f + i);
   }
 }
 
@@ -97,18 +98,18 @@ class radial_samples {
  public:
   explicit radial_samples(const Family& family) : family_(family) {}
 
-  R root_P22(const R& L) const {
-    const R r = elementary::exp(R(R(0.5) * L));
+  R root_D(const R& L) const {
+    const R r = elementary::exp(R(R(0.5) * L)), r2 = r * r;
     const auto inner = [&] {
       if constexpr (requires { family_.P22_of_slope(r); }) {
-        return sqrt(family_.P22_of_slope(r));
+        return R(sqrt(family_.P22_of_slope(r)) * (R(1) + r2));
       } else {
-        return sqrt(family_.P22(twofold<R>(r * r)));
+        return R(sqrt(family_.P22(twofold<R>(r2))) * (R(1) + r2));
       }
     };
     // Beyond 1 through D at a small cosine, where it underflows much later.
     const R z(0x1p-64), z2 = z * z;
-    const auto outer = [&] { return R(sqrt(family_.D(z, twofold<R>(r * r * z2))) * z2); };
+    const auto outer = [&] { return R(sqrt(family_.D(z, twofold<R>(r2 * z2))) * (z2 + r2 * z2)); };
     return choose(r <= R(1), inner, outer);
   }
   R survival(const R& L) const { return family_.survival(square_of(elementary::exp(R(R(0.5) * L)))); }
@@ -152,19 +153,20 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
   constexpr double least = single ? -87 : -700, slope_end = single ? 20 : 40, square_end = 2 * slope_end;
   constexpr double tiny = std::numeric_limits<T>::min(), tiny_root = single ? 1e-22 : 1e-153;
-  // The factor 1/z^4 of D makes a large number of a small P22.
-  constexpr double central = single ? 20 : 50, central_root = single ? 65 : 110;
+  constexpr double central = single ? 20 : 50;
   const detail::radial_samples<Family> samples(family);
   const auto fill = [](table& t, const auto& function, const fit_range& range) {
-    const auto sample = [&](const double* L, double* f, int n) { detail::in_lanes<R>(L, f, n, function); };
+    const auto sample = [&](const double* L, double* f, std::size_t n) {
+      detail::in_lanes<R>(L, f, n, function);
+    };
     t = piecewise_fit<table, decltype(sample)>(sample, range)();
   };
   const auto at_zero = [](const R& value) { return detail::first_lane(value); };
   const R zero(0);
   if (functions & of_P22)
-    fill(root_P22, [&](const R& L) { return samples.root_P22(L); },
+    fill(root_D, [&](const R& L) { return samples.root_D(L); },
          {least, square_end, least, std::sqrt(at_zero(family.P22(twofold<R>(zero)))), single ? tiny : 1e-180,
-          central_root, true});
+          central, true});
   if (functions & of_survival)
     fill(survival, [&](const R& L) { return samples.survival(L); },
          {least, square_end, least, 1, tiny, central, true});

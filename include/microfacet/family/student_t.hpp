@@ -41,7 +41,7 @@ class student_t {
   T nothing() const { return T(0) * k_; }
   T P22(const twofold<T>& r2) const { return power(r2, T(k_ + T(1))) * T(1 / pi); }
   // z^(2 gamma - 4) (z^2 + h2/k)^-gamma, in one exponent.
-  T D(const T& z_argument, const twofold<T>& h2) const {
+  MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
     const T z = maximum(z_argument, T(T(4) * sqrt(smallest<T>())));
     const twofold<T> z2 = exact_product(z, z), gamma = exact_sum(k_, T(1));
     const twofold<T> ratio = quotient(h2 * inverse_k_, z2);
