@@ -108,7 +108,7 @@ class radial_samples {
       }
     };
     // Beyond 1 through D at a small cosine, where it underflows much later.
-    const R z(0x1p-64), z2 = z * z;
+    const R z(0x1p-32), z2 = z * z;
     const auto outer = [&] { return R(sqrt(family_.D(z, twofold<R>(r2 * z2))) * (z2 + r2 * z2)); };
     return choose(r <= R(1), inner, outer);
   }
@@ -154,6 +154,8 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   constexpr double least = single ? -87 : -700, slope_end = single ? 20 : 40, square_end = 2 * slope_end;
   constexpr double tiny = std::numeric_limits<T>::min(), tiny_root = single ? 1e-22 : 1e-153;
   constexpr double central = single ? 20 : 50;
+  // Smaller odds than exp(-680) leave the inversion no digits.
+  constexpr double least_odds = single ? least : -680;
   const detail::radial_samples<Family> samples(family);
   const auto fill = [](table& t, const auto& function, const fit_range& range) {
     const auto sample = [&](const double* L, double* f, std::size_t n) {
@@ -165,14 +167,14 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   const R zero(0);
   if (functions & of_P22)
     fill(root_D, [&](const R& L) { return samples.root_D(L); },
-         {least, square_end, least, std::sqrt(at_zero(family.P22(twofold<R>(zero)))), single ? tiny : 1e-180,
+         {least, square_end, least, std::sqrt(at_zero(family.P22(twofold<R>(zero)))), single ? tiny : 1e-160,
           central, true});
   if (functions & of_survival)
     fill(survival, [&](const R& L) { return samples.survival(L); },
          {least, square_end, least, 1, tiny, central, true});
   if (functions & of_radius)
     fill(radius, [&](const R& L) { return samples.radius(L); },
-         {least, single ? 17 : 37, 0, 0, single ? tiny : 1e-290, central});
+         {least_odds, single ? 17 : 37, 0, 0, single ? tiny : 1e-290, central});
   if (functions & of_P2)
     fill(root_P2, [&](const R& L) { return samples.root_P2(L); },
          {least, slope_end, least, std::sqrt(at_zero(family.P2(slope<R>(zero)))), tiny_root, central});

@@ -37,9 +37,9 @@ T survival(const ndf<Family, T, isotropic_shape<T>>& distribution, const T& r) {
   const Family& family = distribution.family();
   const T valid = where(r >= T(0), r);
   const twofold<T> r2 = distribution.shape().slope2(valid, T(0));
-  if constexpr (requires { family.survival_of_slope(r); }) {  // as in ndf::P22
+  if constexpr (requires { family.survival_of_slope(r); }) {  // where a square has lost digits
     return choose(
-        r2.high < T(16) * smallest<T>(),
+        minimum(r2.high, T(valid * valid)) < T(0x1p30) * smallest<T>(),
         [&] { return family.survival_of_slope(distribution.shape().length(valid, T(0))); },
         [&] { return family.survival(r2); });
   } else {
