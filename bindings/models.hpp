@@ -107,7 +107,7 @@ auto table_density(const Tables& tables) {
   if constexpr (requires { typename Model::tag::template table_density<Lanes>; }) {
     return typename Model::tag::template table_density<Lanes>(tables);
   } else {
-    return prepared<typename Model::family, Lanes>(tables);
+    return prepared<Lanes>(tables);
   }
 }
 

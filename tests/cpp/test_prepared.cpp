@@ -82,7 +82,7 @@ void check_family(const Family& family, double alpha) {
   const check::note at("errors measured ", error.near, " and ", error.far);
   CHECK(tables.good(mf::of_all));
   const double stretch = Family::shape_invariant ? static_cast<double>(static_cast<T>(alpha)) : 1;
-  using view = mf::prepared<Family, T>;
+  using view = mf::prepared<T>;
   const mf::ndf<view, T, mf::isotropic_shape<T>> d(view(tables),
                                                    mf::isotropic_shape<T>(static_cast<T>(stretch)));
   const mf::ndf<Family, double, mf::isotropic_shape<double>> e(family, mf::isotropic_shape<double>(stretch));
@@ -117,7 +117,7 @@ TEST(tables_of_float64) { check_families<double>(); }
 TEST(tables_beyond_their_ends) {
   static mf::radial_tables<float> tables;
   tables.build(mf::student_t<double>(2.5));
-  const mf::prepared<mf::student_t<double>, float> family(tables);
+  const mf::prepared<float> family(tables);
   const mf::student_t<double> exact(2.5);
   const float infinite = mf::inf;
   CHECK_NEAR(family.survival(0.0f), 1, 0);

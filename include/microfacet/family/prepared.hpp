@@ -1,11 +1,13 @@
-// A family whose shape parameters are fixed, prepared: any family costs the same, from tables that are built
-// once.
+// A density whose shape parameters are fixed, prepared: whatever its family, it costs the same, from tables
+// that are built once.
 //
 //   radial_tables<float> tables;
 //   tables.build(bessel_k<double>(0.7), of_P22 | of_slope_excess);
-//   prepared<bessel_k<double>, pack<float, 64>> family(tables);  // a radial_family on packs; refers to the
-//   tables
+//   prepared<pack<float, 64>> density(tables);  // a radial_family on packs
 #pragma once
+
+#include <array>
+#include <string_view>
 
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
@@ -14,17 +16,18 @@
 
 namespace microfacet {
 
-// The functions of Family with their parameters fixed, on scalars R, from tables that must outlive it.
-template <class Family, class R>
+// On scalars R, from tables that must outlive it.
+template <class R>
 class prepared {
  public:
   using scalar = R;
   using tables = radial_tables<typename scalar_traits<R>::real>;
-  static constexpr auto name = Family::name;
-  static constexpr auto parameters = Family::parameters;
-  static constexpr auto sources = Family::sources;
-  static constexpr bool shape_invariant = Family::shape_invariant;
+  static constexpr std::string_view name = "prepared";
+  static constexpr std::array<parameter, 0> parameters{};
+  static constexpr std::array<std::string_view, 0> sources{};
+  static constexpr bool shape_invariant = true;
   static constexpr bool native_float32 = true;
+  static constexpr unsigned costly = 0;
 
   explicit prepared(const tables& t) : t_(&t) {}
 
@@ -67,5 +70,7 @@ class prepared {
 
   const tables* t_;
 };
+
+static_assert(radial_family<prepared<double>>);
 
 }  // namespace microfacet
