@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <type_traits>
 #include <vector>
@@ -114,7 +115,16 @@ void special_values() {
   known<T>("expm1", FUNCTION(expm1), {{0, 0}, {inf, inf}, {-inf, -1}, {-1000, -1}, {1000, inf}, {nan, nan}});
   known<T>("log", FUNCTION(log),
            {{1, 0}, {0, -inf}, {-0.0, -inf}, {inf, inf}, {-1, nan}, {-inf, nan}, {nan, nan}});
-  known<T>("log1p", FUNCTION(log1p), {{0, 0}, {-1, -inf}, {inf, inf}, {-2, nan}, {-inf, nan}, {nan, nan}});
+  const double least = std::numeric_limits<T>::min();
+  known<T>("log1p", FUNCTION(log1p),
+           {{0, 0},
+            {least, least},
+            {-1.5 * least, -1.5 * least},
+            {-1, -inf},
+            {inf, inf},
+            {-2, nan},
+            {-inf, nan},
+            {nan, nan}});
   const auto power_of = [](double y) { return [y](T x) { return el::pow(x, static_cast<T>(y)); }; };
   known<T>("pow(., 2)", power_of(2),
            {{0, 0}, {1, 1}, {0.5, 0.25}, {4, 16}, {inf, inf}, {nan, nan}, {-1, nan}});

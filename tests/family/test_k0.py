@@ -1,6 +1,7 @@
 """What only K0 has: Laplace slopes, a product of two exponentials, a singular normal."""
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 from scipy import special, stats
 
@@ -38,3 +39,13 @@ def test_squared_slope_is_a_product_of_exponentials() -> None:
     integral = 0.02 * np.sum(np.exp(-m - (r[:, None] / ALPHA) ** 2 / m) * m, axis=-1)
     assert_allclose(mf.k0.survival(r, ALPHA), integral, rtol=1e-12)
     assert_allclose(mf.k0.survival(r, ALPHA), 2 * r / ALPHA * special.k1(2 * r / ALPHA), rtol=1e-12)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_smallest_slopes(dtype: type[np.floating]) -> None:
+    """Pr(slope < r) = x^2 (1 - 2 gamma - 2 log x), x = r/alpha, down to the smallest normal number."""
+    xi = np.geomspace(1.01 * float(np.finfo(dtype).tiny), 1e-25, 200).astype(dtype)
+    x = mf.k0.sample_slope(xi, dtype(1.0)).astype(float)
+    assert_allclose(
+        2 * np.log(x) + np.log(1 - 2 * np.euler_gamma - 2 * np.log(x)), np.log(xi.astype(float)), rtol=3e-7
+    )

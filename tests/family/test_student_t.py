@@ -68,3 +68,11 @@ def test_no_slope_is_too_small(gamma: float) -> None:
     x = np.sqrt((gamma - 1) * np.finfo(float).tiny) * np.geomspace(0.1, 10, 301)
     assert_allclose(mf.student_t.sigma(-x, 1.0, gamma), mf.student_t.sigma(0.0, 1.0, gamma), rtol=3e-15)
     assert_allclose(mf.student_t.slope_cdf(-x, 1.0, gamma), 0.5, rtol=3e-15)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_smallest_slopes(dtype: type[np.floating]) -> None:
+    """Pr(slope < r) = (r/alpha)^2 near the normal, also for the smallest normal numbers."""
+    xi = np.geomspace(1.01, 3, 50).astype(dtype) * np.finfo(dtype).tiny
+    slope = mf.student_t.sample_slope(xi, dtype(1.0), dtype(2.0))
+    assert_allclose(slope, np.sqrt(xi), rtol=4 * float(np.finfo(dtype).eps))

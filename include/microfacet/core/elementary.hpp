@@ -125,7 +125,8 @@ MICROFACET_INLINE R log(const R& x) {
 template <class R>
 MICROFACET_INLINE R log1p(const R& x) {
   const R one_more = R(1) + x, t = one_more - R(1), low = (R(1) - (one_more - t)) + (x - t);
-  return elementary::log(one_more, R(select(x < R(inf), low, R(0)))).high;
+  const R value = elementary::log(one_more, R(select(x < R(inf), low, R(0)))).high;
+  return select(abs(x) < R(0x1p-60), x, value);  // the least numbers lose their halves
 }
 
 // For x >= 0.

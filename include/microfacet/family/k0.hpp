@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <string_view>
 
 #include "microfacet/core/chebyshev.hpp"
@@ -100,7 +101,7 @@ class k0 {
   // Newton's method: near the normal on log(1 - survival) against log y, beyond on log(survival) against y.
   T radius(const T& xi_argument) const {
     constexpr int most = 40;
-    const T xi = maximum(xi_argument, T(T(4096) * smallest<T>()));  // y^2 stays a normal number
+    const T xi = maximum(xi_argument, T(T(0x1p40) * smallest<T>()));  // y^2 keeps its digits
     const T rest = T(1) - xi;
     const auto lower = xi < T(0.3);
     const T target = log(select(lower, xi, rest));
@@ -121,7 +122,10 @@ class k0 {
       moving = moving & far;
       if (!any(moving)) break;
     }
-    return select(xi_argument == T(0), T(0), y);
+    const auto tiny = (xi_argument < xi) & (xi_argument > T(0));
+    return choose(
+        tiny, [&] { return radius_of_tiny(T(select(tiny, xi_argument, xi))); },
+        [&] { return T(select(xi_argument == T(0), T(0), y)); });
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
     return exp<60>(T(-2) * abs(t.value)) * (T(0x1p-60) * factor);
@@ -132,6 +136,16 @@ class k0 {
   T slope_excess(const slope<T>& x) const { return T(0.25) * exp(T(-2) * x.value); }
 
  private:
+  // Where y^2 may underflow: log xi = 2 log y + log(1 - 2 gamma - 2 log y), gamma Euler's (DLMF 10.31.1).
+  static T radius_of_tiny(const T& xi) {
+    const T target = log(xi);
+    T L = T(0.5) * (target - log(T(1) - target));
+    for (int i = 0; i < 4; ++i) {
+      const T growth = T(1 - 2 * std::numbers::egamma) - T(2) * L;
+      L = L - (T(2) * L + log(growth) - target) / (T(2) - T(2) / growth);
+    }
+    return exp(L);
+  }
   static T peaked(const detail::k0_functions<T>& at, const T& y) {
     return select(y == T(0), T(inf), T(at.density() * T(1 / pi)));
   }
