@@ -39,6 +39,13 @@ PyObject* sources() {
   return list;
 }
 
+// How many uniforms a visible normal takes, unless a shape parameter changes that; 0 for a family without.
+template <class Family>
+PyObject* visible_dims() {
+  if constexpr (samples_visible<Family>) return PyLong_FromLong(Family::visible_dimensions);
+  return PyLong_FromLong(0);
+}
+
 template <class Tag>
 bool add_family(PyObject* module) {
   using Family = typename Tag::template type<double>;
@@ -47,6 +54,7 @@ bool add_family(PyObject* module) {
   if (space == nullptr) return false;
   const bool complete = add_operations<Tag>(space) && add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
+                        add(space, "visible_dims", visible_dims<Family>()) &&
                         add(space, "shape_invariant", PyBool_FromLong(Family::shape_invariant));
   if (!complete) {
     Py_DECREF(space);

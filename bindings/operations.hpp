@@ -61,11 +61,59 @@ struct normal_sample {
   }
 };
 
+// Normals that a direction sees.
+#define MICROFACET_VISIBLE(TYPE, NAME, FUNCTION)                                                          \
+  struct TYPE {                                                                                           \
+    static constexpr const char* name = NAME;                                                             \
+    static constexpr unsigned needs = of_all;                                                             \
+    static constexpr bool samples_visible = true;                                                         \
+    static constexpr layout<6, 3> shape{};                                                                \
+    template <class Distribution, class T>                                                                \
+    MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) {                    \
+      const vec3<T> m = FUNCTION(ndf, vec3<T>{x[0], x[1], x[2]}, x[3], x[4], x[5]);                       \
+      out[0] = m.x, out[1] = m.y, out[2] = m.z;                                                           \
+    }                                                                                                     \
+  };
+MICROFACET_VISIBLE(visible_sample, "sample_visible", sample_visible)
+MICROFACET_VISIBLE(visible_sample_of_mixture, "sample_visible_mixture", sample_visible_mixture)
+MICROFACET_VISIBLE(bounded_sample, "sample_visible_bounded", sample_visible_bounded)
+#undef MICROFACET_VISIBLE
+struct bounded_pdf {
+  static constexpr const char* name = "pdf_visible_bounded";
+  static constexpr unsigned needs = of_all;
+  static constexpr layout<6> shape{};
+  template <class Distribution, class T>
+  MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) {
+    out[0] = pdf_visible_bounded(ndf, vec3<T>{x[0], x[1], x[2]}, vec3<T>{x[3], x[4], x[5]});
+  }
+};
+
+// Whether Family tells how it draws visible normals, in how many ways.
+template <class Family>
+concept samples_visible = requires { Family::visible_dimensions; };
+
+template <class Model>
+bool add_visible_operations(PyObject* space, const char* prefix) {
+  using family = typename Model::family;
+  if constexpr (!samples_visible<family>) return true;
+  if constexpr (samples_visible<family>) {
+    if (!add_all<Model, true, visible_sample>(space, prefix)) return false;
+    if constexpr (requires { &family::sf_over_density; }) {
+      if (!add_all<Model, true, visible_sample_of_mixture>(space, prefix)) return false;
+    }
+    if constexpr (requires { &family::bounded_slopes; }) {
+      if (!add_all<Model, true, bounded_sample, bounded_pdf>(space, prefix)) return false;
+    }
+  }
+  return true;
+}
+
 template <class Model>
 bool add_direction_operations(PyObject* space, const char* prefix) {
   return add_all<Model, true, D_of_normal, pdf_of_normal, sigma_of_direction, Lambda_of_direction,
                  G1_of_direction, G2_of_directions, G2_uncorrelated_of_directions, D_visible_of_directions,
-                 P22_of_slopes, P2_of_slope, cdf_of_slope, normal_sample>(space, prefix);
+                 P22_of_slopes, P2_of_slope, cdf_of_slope, normal_sample>(space, prefix) &&
+         add_visible_operations<Model>(space, prefix);
 }
 
 template <class Tag>

@@ -35,6 +35,7 @@
 #include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/sample_normal.hpp"
+#include "microfacet/smith/sample_visible_bounded.hpp"
 #include "models.hpp"
 
 namespace microfacet::bindings {
@@ -139,6 +140,12 @@ struct ufunc_loops {
     for (std::size_t a = values; a < values + Model::scales; ++a) {
       const double scale = *reinterpret_cast<const stored_parameter<float>*>(args[a] + i * steps[a]);
       if (scale < 1e-6 || scale > 1e6) return false;
+    }
+    // Steep slopes of a heavy tail leave float32.
+    if constexpr (requires { Operation::samples_visible && Model::family::sampling_fits_float32(0.0); }) {
+      constexpr std::size_t own = values + Model::first;
+      return Model::family::sampling_fits_float32(
+          static_cast<double>(*reinterpret_cast<const stored_parameter<float>*>(args[own] + i * steps[own])));
     }
     return true;
   }

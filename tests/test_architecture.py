@@ -29,6 +29,7 @@ CPP_LAYERS = ("core", "special", "family", "smith", "bsdf")
 PYTHON_LAYERS = (
     {"_core", "_files"},
     {"_docs", "_quantities"},
+    {"_sampling"},
     {"_frozen"},
     {"_family", "_radial", "_bsdf"},
     {"__init__"},  # the public names; what lies above them it loads on demand only

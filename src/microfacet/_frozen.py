@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar
 
-from microfacet._quantities import Quantities
+from microfacet._sampling import Sampling
 
 __all__ = ["Distribution", "IsotropicDistribution", "StretchedDistribution"]
 
@@ -25,7 +25,7 @@ def _number(owner: str, name: str, value: object, lower: float, upper: float) ->
     return number
 
 
-class Distribution(Quantities):
+class Distribution(Sampling):
     """Base of the frozen distributions: immutable, hashable, comparable, picklable."""
 
     family: ClassVar[str]

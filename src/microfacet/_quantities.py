@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 __all__ = ["Quantities"]
 
@@ -209,40 +209,3 @@ class Quantities:
     ) -> Any:
         """Density per steradian of the normals that `sample` draws: D(m) cos(theta)."""
         return self._of_directions("pdf", ("m",), (m, y, z), out, where)
-
-    def sample(self, xi: ArrayLike, *, out: NDArray[Any] | None = None) -> Any:
-        """Normals drawn from D cos(theta), by inversion.
-
-        Parameters
-        ----------
-        xi : array_like, shape (..., 2)
-            Uniform random numbers in [0, 1): the first gives the slope (0 the macroscopic normal), the second
-            times 2 pi the azimuth of the normal before the stretch. The caller owns the generator.
-        out : ndarray, shape (..., 3), optional
-            Where to write the normals.
-
-        Returns
-        -------
-        ndarray, shape (..., 3)
-            Unit normals; nan where `xi` lies outside [0, 1).
-
-        Examples
-        --------
-        >>> import microfacet as mf
-        >>> print(abs(mf.StudentT(alpha=0.3, gamma=2.5).sample([0.0, 0.25])))
-        [0. 0. 1.]
-        """
-        xi = np.asanyarray(xi)
-        if xi.ndim == 0 or xi.shape[-1] != 2:
-            raise ValueError(f"{type(self).__name__}.sample: xi must have shape (..., 2), got {xi.shape}")
-        if out is None:
-            dtype = np.float32 if np.can_cast(xi.dtype, np.float32) else np.float64
-            out = np.empty((*xi.shape[:-1], 3), dtype)
-        shape = (*xi.shape[:-1], 3)
-        if np.shape(out) != shape:
-            raise ValueError(
-                f"{type(self).__name__}.sample: out must have shape {shape}, got {np.shape(out)}"
-            )
-        kernel, parameters = self._kernel("sample")
-        kernel(xi[..., 0], xi[..., 1], *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
-        return out

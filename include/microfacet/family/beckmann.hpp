@@ -31,6 +31,8 @@ class beckmann {
   static constexpr bool native_float32 = true;
   static constexpr unsigned costly = 0;
 
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+
   T nothing() const { return T(0); }
   T P22(const twofold<T>& r2) const { return exp(-r2) * T(1 / pi); }
   MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
@@ -52,6 +54,45 @@ class beckmann {
   fraction<T> slope_excess_fraction(const slope<T>& x) const {
     const auto [numerator, denominator] = ierfc_scaled_fraction(x.value.high);
     return {T(0.5) * exp(-x.squared) * numerator, denominator};
+  }
+
+  // What smith/visible_slope.hpp asks for.
+  T sf_over_density(const T& t) const { return T(0.5 * sqrt_pi) * erfc_scaled(t) * beyond_erfc(t); }
+  T excess_over_density(const T& t, const T&) const {
+    return T(0.5 * sqrt_pi) * ierfc_scaled(t) * square(beyond_erfc(t));
+  }
+  T moment_over_density(const T&) const { return T(0.5); }
+  T log_slope(const T& t) const { return T(-2) * t; }
+  T fall(const T& t, const T& v) const { return v * (T(2) * t + v); }
+  T survival_radius(const T& depth) const { return sqrt(depth); }
+  T moment_radius(const T& t, const T& depth) const {
+    return depth / (t + sqrt(t * t + depth) + smallest<T>());
+  }
+  T inverse_tail() const { return T(0); }
+  // Where near_moments(t, d) holds: a series in d, of which term n obeys the recurrence of Hermite's
+  // polynomials.
+  auto near(const T& t, const T& d) const { return d * (T(1) + T(2) * t) < T(single ? 0.6 : 0.15); }
+  near_integrals<T> near_moments(const T& t, const T& d) const {
+    const T a = T(-2) * t * d, b = T(-2) * d * d;
+    T before(0), term(1), mass(1), moment(0.5);
+    for (int n = 1; n < 11; ++n) {
+      const T next = (a * term + b * before) * T(1.0 / n);
+      before = term, term = next;
+      mass = mass + next * T(1.0 / (n + 1)), moment = moment + next * T(1.0 / (n + 2));
+    }
+    return {d * mass, d * d * moment};
+  }
+  // The slope across the plane of incidence is independent of that in it.
+  static constexpr int visible_dimensions = 2;
+  T across_by_quantile(const T& xi) const {
+    return erfc_inverse_of_half(maximum(xi, smallest<T>()));
+  }
+
+ private:
+  // exp(-x^2) is zero there, but its quotients tend to 1/(2t) and 1/(4t^2).
+  static T beyond_erfc(const T& t) {
+    const T inside = detail::where_erfc_lives(t);
+    return choose(t > inside, [&] { return T(inside / t); }, [&] { return T(1); });
   }
 };
 

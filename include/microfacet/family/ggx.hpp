@@ -15,6 +15,7 @@
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/family/spherical_cap.hpp"
 
 namespace microfacet {
 
@@ -48,6 +49,16 @@ class ggx {
   T slope_excess(const slope<T>& x) const { return T(0.5) / (x.value.high + sqrt(T(1) + x.squared.high)); }
   fraction<T> sigma_below(const T& c, const T& s2) const {
     return {T(0.5) * s2, maximum(T(abs(c) + sqrt(c * c + s2)), smallest<T>())};
+  }
+
+  // By a uniform point on a spherical cap: two uniforms; the first is 0 where the mirrored direction is +z.
+  static constexpr int visible_dimensions = 2;
+  visible_slopes<T> visible_slopes_of(const T& x, const T& xi0, const T& xi1, const T&) const {
+    return spherical_cap<T>(x, T(T(1) - xi0), T(1), xi0).slopes_of_uniform(xi1);
+  }
+  // The cap down to z = -k wz.
+  visible_slopes<T> bounded_slopes(const T& x, const T& k, const T& xi0, const T& xi1) const {
+    return spherical_cap<T>(x, T(T(1) - xi0), k, xi0).slopes_of_uniform(xi1);
   }
 };
 

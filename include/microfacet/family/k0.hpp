@@ -135,6 +135,28 @@ class k0 {
   }
   T slope_excess(const slope<T>& x) const { return T(0.25) * exp(T(-2) * x.value); }
 
+  // With the probability of the area below the horizon, xi0 small, the slope is that which -|x| sees; else it
+  // is one of all slopes, turned towards x where x sees too little of it.
+  static constexpr int visible_dimensions = 3;
+  visible_slopes<T> visible_slopes_of(const T& x, const T& xi0, const T& xi1, const T& xi2) const {
+    const auto up = x > T(0);
+    const T X = abs(x), c = select(up, x, T(0)), below = slope_excess(slope<T>(X));
+    const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
+    const auto first = xi0 <= share;
+    const T V = select(first, T(xi0 / share), T((T(1) - xi0) / maximum(other, smallest<T>())));
+    const T length = T(0.5) * excess_quantile(maximum(V, smallest<T>()));
+
+    const T e = T(-0.5) * log1p(-xi1), leaning = X + length;
+    const T R = length, v = xi1, all = R * v;
+    const T root = sqrt(square(T(x - R)) + T(4) * x * all) + X;
+    const T inside = (R * R + T(2) * x * R * (T(2) * v - T(1))) / maximum(root, smallest<T>());
+    const T outside = select(all >= x, all, T(T(2) * sqrt(maximum(T(x * all), T(0))) - x));
+    const T along = select(first, leaning, select(R <= x, inside, outside));
+    const T across2 = select(first, T(e * (e + T(2) * along)), T((R - along) * (R + along)));
+    const T valid = where((xi2 >= T(0)) & (xi2 < T(1)), xi2);
+    return {along, sqrt(maximum(across2, T(0))) * elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine};
+  }
+
  private:
   // Where y^2 may underflow: log xi = 2 log y + log(1 - 2 gamma - 2 log y), gamma Euler's (DLMF 10.31.1).
   static T radius_of_tiny(const T& xi) {
@@ -146,6 +168,25 @@ class k0 {
     }
     return exp(L);
   }
+  // g with (1 + g) exp(-g) = V: a branch of Lambert's W. Two steps of Halley's method on g - log(1 + g).
+  static T excess_quantile(const T& V) {
+    const T L = -log(V), one = T(1) + L;
+    T g = select(L > T(2), T(L + log(one + log(one + log(T(1) + one)))),
+                 T(sqrt(T(2) * L) + T(2.0 / 3) * L));
+    for (int i = 0; i < 2; ++i) {
+      const T r = less_log1p(g) - L, more = T(1) + g;
+      g = g - T(2) * r * g * more / maximum(T(T(2) * g * g - r), smallest<T>());
+    }
+    return maximum(g, T(0));
+  }
+  // g - log(1 + g), by its series where that cancels.
+  static T less_log1p(const T& g) {
+    const T s = g / (T(2) + g), s2 = s * s;  // log(1 + g) = 2 atanh(s), g = 2s/(1 - s)
+    T series(0);
+    for (int k = 15; k >= 3; k -= 2) series = s2 * series + T(1.0 / k);
+    return select(g < T(0.5), T(s * (g - T(2) * s2 * series)), T(g - log1p(g)));
+  }
+
   static T peaked(const detail::k0_functions<T>& at, const T& y) {
     return select(y == T(0), T(inf), T(at.density() * T(1 / pi)));
   }

@@ -44,6 +44,22 @@ struct fraction {
   T numerator, denominator;
 };
 
+// Of s from 0 to d, the integrals of P2(t + s)/P2(t) and of s times that.
+template <class T>
+struct near_integrals {
+  T mass, moment;
+};
+
+// Slopes in the plane of incidence of a direction, positive towards it, and across that plane.
+template <class T>
+struct visible_slopes {
+  T along, across;
+};
+template <class T, class Mask>
+visible_slopes<T> select(const Mask& mask, const visible_slopes<T>& a, const visible_slopes<T>& b) {
+  return {select(mask, a.along, b.along), select(mask, a.across, b.across)};
+}
+
 // clang-format off
 template <class F>
 concept radial_family = requires(const F f, typename F::scalar xi, twofold<typename F::scalar> r2, slope<typename F::scalar> t) {

@@ -17,6 +17,7 @@
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/family/spherical_cap.hpp"
 #include "microfacet/special/gamma.hpp"
 #include "microfacet/special/student.hpp"
 
@@ -67,6 +68,60 @@ class student_t {
   T slope_excess(const slope<T>& x) const {
     const T k = where(k_ > T(parameters[0].lower - 1.0), k_);
     return times_power(x.squared, k, [&](const T& y, const T& q) { return student::excess(k, y, q); });
+  }
+
+  // What smith/visible_slope.hpp asks for.
+  T sf_over_density(const T& t) const {
+    const T y = t * t * inverse_k_.high;
+    return student::tail(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_;
+  }
+  T moment_over_density(const T& t) const { return (k_ + t * t) / (T(2) * k_ - T(1)); }
+  // A difference, where it loses little.
+  T excess_over_density(const T& t, const T& sf) const {
+    const T y = t * t * inverse_k_.high;
+    const auto series = [&] { return T(student::excess(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_); };
+    const auto difference = [&] { return T(moment_over_density(t) - t * sf); };
+    return choose(t * t < T(0.5), [&] { return difference(); }, [&] { return series(); });
+  }
+  T log_slope(const T& t) const { return (T(-2) * k_ - T(1)) * t / (k_ + t * t); }
+  T fall(const T& t, const T& v) const {
+    return (k_ + T(0.5)) * log1p(T(v * ((T(2) * t + v) / (k_ + t * t))));
+  }
+  T survival_radius(const T& depth) const {
+    return minimum(T(sqrt(k_ * expm1(T(depth / k_)))), largest_slope<T>());
+  }
+  T moment_radius(const T& t, const T& depth) const {
+    const T change = minimum(T((k_ + t * t) * expm1(T(depth / (k_ - T(0.5))))), square(largest_slope<T>()));
+    return change / (t + sqrt(t * t + change) + smallest<T>());
+  }
+  T inverse_tail() const { return T(1) / (T(2) * k_ - T(1)); }
+  // Where near_moments(t, d) holds: a series in d, whose terms obey the differential equation of P2.
+  auto near(const T& t, const T& d) const {
+    constexpr double most = sizeof(typename scalar_traits<T>::real) == 4 ? 0.6 : 0.15;
+    const T length2 = k_ + t * t, unit = (T(2) * k_ + T(1)) * d;
+    return (t * unit < T(most) * length2) & (d * unit < T(most * most) * length2);
+  }
+  near_integrals<T> near_moments(const T& t, const T& d) const {
+    const T unit = d / (k_ + t * t), a = -t * unit, b = -d * unit, twice_k = T(2) * k_;
+    T before(0), term(1), mass(1), moment(0.5);
+    for (int n = 1; n < 12; ++n) {
+      const T next = ((twice_k + T(2 * n - 1)) * a * term + (twice_k + T(n - 1)) * b * before) * T(1.0 / n);
+      before = term, term = next;
+      mass = mass + next * T(1.0 / (n + 1)), moment = moment + next * T(1.0 / (n + 2));
+    }
+    return {d * mass, d * d * moment};
+  }
+  // Of a slope in three dimensions at survival exp(-depth), given its component `along`: the rest of it.
+  T across(const T& along, const T& depth) const {
+    return sqrt(k_ + along * along) * sqrt(expm1(T(depth / (k_ + T(0.5)))));
+  }
+  static bool sampling_fits_float32(double gamma) { return gamma >= 2.5; }
+  // gamma = 3 takes two uniforms.
+  static constexpr int visible_dimensions = 3;
+  auto has_closed_slopes() const { return k_ == T(2); }
+  visible_slopes<T> closed_slopes(const T& x, const T& xi0, const T& xi1) const {
+    const spherical_cap<T> cap(x * T(1 / sqrt_two), T(sqrt(T(1) - xi0)));
+    return cap.slopes_of_cubic(T(sqrt_two), xi1);
   }
 
  private:

@@ -61,6 +61,9 @@ twofold<T> reciprocal(const twofold<T>& a) {
 //   unit_density         what times D(unit z, unit_slope2) gives that density
 //   stretch2             the squared sine of the stretched direction
 //   along_x, standard    the roughness of slopes along x, and slopes over it
+//   least                the smaller roughness
+//   to_standard          the x and y of the stretched direction, in the shape's own axes
+//   to_surface           slopes from standard space to the surface's
 template <class T>
 class isotropic_shape {
  public:
@@ -84,8 +87,10 @@ class isotropic_shape {
   twofold<T> stretch2(const vec3<T>& w) const { return squared_length(w.x, w.y) * alpha2_; }
   twofold<T> stretch2(const cosine<T>& w) const { return w.sine2 * alpha2_; }
   T along_x() const { return alpha_.high; }
+  T least() const { return alpha_.high; }
   T inverse_along_x() const { return inverse_.high; }
   twofold<T> standard(const T& p) const { return twofold<T>(p) * inverse_; }
+  void to_standard(T& x, T& y) const { x = x * alpha_.high, y = y * alpha_.high; }
   void to_surface(T& p, T& q) const { p = p * alpha_.high, q = q * alpha_.high; }
 
  private:
@@ -120,8 +125,13 @@ class anisotropic_shape {
   twofold<T> stretch2(const vec3<T>& w) const { return weighed(w.x, w.y, x2_, y2_); }
   // The slope along x of the surface is a standard slope times this, in any isotropic density.
   T along_x() const { return along_x_.high; }
+  T least() const { return minimum(alpha_x_.high, alpha_y_.high); }
   T inverse_along_x() const { return inverse_.high; }
   twofold<T> standard(const T& p) const { return twofold<T>(p) * inverse_; }
+  void to_standard(T& x, T& y) const {
+    const T a = c_ * x + s_ * y, b = c_ * y - s_ * x;
+    x = a * alpha_x_.high, y = b * alpha_y_.high;
+  }
   void to_surface(T& p, T& q) const {
     const T a = p * alpha_x_.high, b = q * alpha_y_.high;
     p = c_ * a - s_ * b, q = s_ * a + c_ * b;

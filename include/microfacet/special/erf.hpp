@@ -7,6 +7,7 @@
 
 #include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
 #include "microfacet/special/coefficients.hpp"
 
 namespace microfacet {
@@ -39,6 +40,26 @@ template <class T>
 MICROFACET_INLINE T ierfc_scaled(const T& x) {
   const auto [numerator, denominator] = ierfc_scaled_fraction(x);
   return numerator / denominator;
+}
+
+// t with erfc(t)/2 = v, v in (0, 1). t^2 over l = -log(4v(1 - v)) is smooth in l, from pi/4 to 1; in double
+// precision one step of Halley's method on the logarithm follows.
+template <class T>
+MICROFACET_INLINE T erfc_inverse_of_half(const T& v) {
+  using namespace coefficients;
+  const T rest = T(1) - v, less = minimum(v, rest), middle = T(1) - T(2) * less, one = T(1) - middle * middle;
+  const auto tail = less < T(0.25);
+  const T product = select(tail, T(T(4) * less * (T(1) - less)), one);
+  const T low = select(tail, T(0), T((T(1) - one) - middle * middle));
+  const T l = maximum(T(-log_twofold(twofold<T>(product, low)).high), T(0));
+  T t = sqrt(l * polynomial(by_precision<T>(erfc_inverse_numerator_32, erfc_inverse_numerator_64), l) /
+             polynomial(by_precision<T>(erfc_inverse_denominator_32, erfc_inverse_denominator_64), l));
+  if constexpr (sizeof(typename scalar_traits<T>::real) == 8) {
+    const T above = erfc_scaled(t);  // over 2/sqrt(pi) times the density
+    const T r = log(T(0.5) * above / less) - t * t;
+    t = t + r * above * T(0.5 * sqrt_pi) / (T(1) - r * (above * t * T(0.5 * sqrt_pi) - T(0.5)));
+  }
+  return select(v < rest, t, T(-t));
 }
 
 }  // namespace microfacet

@@ -110,5 +110,10 @@ class StudentT(StretchedDistribution):
     ) -> None:
         self._set(alpha, alpha_x, alpha_y, rotation, gamma=gamma)
 
+    @property
+    def visible_dims(self) -> int:
+        """How many uniforms `sample_visible` takes: 2 for gamma = 3, which has a closed sampler, else 3."""
+        return 2 if self.gamma == 3.0 else 3
+
 
 DISTRIBUTION = StudentT

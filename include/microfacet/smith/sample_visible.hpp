@@ -1,0 +1,140 @@
+// Normals as a direction sees them, with density max(0, w . m) D(m)/sigma(w), for directions above and below
+// the horizon: stretch the direction, turn it into the plane y = 0, draw the slope in that plane and the one
+// across it, and go back (Heitz and d'Eon, Importance sampling microfacet-based BSDFs using the distribution
+// of visible normals, 2014).
+//
+// A family may draw both slopes at once (visible_slopes_of). Otherwise the slope P in the plane comes from
+// smith/visible_slope.hpp. For the one across it the density of slopes is taken for the projection of an
+// isotropic one in three dimensions: given P its length R has the survival function P2(R)/P2(|P|), and the
+// rest is uniform on a circle, so that
+//
+//   Q = cos(pi xi2) sqrt(R^2 - P^2).
+#pragma once
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/vec.hpp"
+#include "microfacet/smith/ndf.hpp"
+#include "microfacet/smith/visible_slope.hpp"
+
+namespace microfacet {
+
+namespace detail {
+
+// A direction in standard space: x = cot(theta), and its azimuth.
+template <class T>
+struct standard_direction {
+  T x, cosine, sine;
+
+  template <class Shape>
+  standard_direction(const Shape& shape, const vec3<T>& w) {
+    constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+    T a = w.x, b = w.y;
+    shape.to_standard(a, b);
+    const T length2 = a * a + b * b, tiny = T(single ? 1e-36 : 1e-290);
+    const auto vertical = length2 < tiny;
+    const T length = sqrt(select(vertical, T(1), length2)), most = T(single ? 1e9 : 1e15);
+    cosine = select(vertical, T(1), a / length);
+    sine = select(vertical, T(0), b / length);
+    // Straight down nothing is seen.
+    const T top = select(w.z > T(0), most, select(w.z > T(0), w.z, nan<T>()));
+    const T x_argument = select(vertical, top, T(w.z / length));
+    x = select(x_argument > most, most, select(x_argument < -most, T(-most), x_argument));
+  }
+};
+
+// The unit normal of slopes, favourable ones positive, in the frame of a standard direction.
+template <class T, class Shape>
+vec3<T> normal_of_visible(const Shape& shape, const standard_direction<T>& w, const visible_slopes<T>& s) {
+  constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+  const T most = T(single ? 1e18 : 1e150);
+  T x = w.cosine * s.along - w.sine * s.across, y = w.sine * s.along + w.cosine * s.across;
+  shape.to_surface(x, y);
+  x = maximum(minimum(x, most), T(-most)), y = maximum(minimum(y, most), T(-most));
+  const T z = T(1) / sqrt(T(1) + (x * x + y * y));
+  return {x * z, y * z, z};
+}
+
+template <class Family, class T>
+visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
+                                       const T& xi2) {
+  const T along = visible_slope(family, x, T(maximum(xi0, smallest<T>())));
+  return {along, slope_across(family, along, xi1, xi2)};
+}
+template <class Family, class T>
+visible_slopes<T> draw_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
+                                      const T& xi2) {
+  if constexpr (requires { family.visible_slopes_of(x, xi0, xi1, xi2); }) {
+    return family.visible_slopes_of(x, xi0, xi1, xi2);
+  } else if constexpr (requires { family.closed_slopes(x, xi0, xi1); }) {
+    return choose(
+        family.has_closed_slopes(), [&] { return family.closed_slopes(x, xi0, xi1); },
+        [&] { return solve_visible_slopes(family, x, xi0, xi1, xi2); });
+  } else {
+    return solve_visible_slopes(family, x, xi0, xi1, xi2);
+  }
+}
+
+template <class Family, class T>
+visible_slopes<T> mix_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
+                                     const T& xi2) {
+  const auto up = x > T(0);
+  const T X = abs(x), c = select(up, x, T(0)), below = family.slope_excess(slope<T>(X));
+  const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
+  const auto first = xi0 <= share;
+  const auto seen_from_below = [&]() -> visible_slopes<T> {
+    const T V = maximum(T(select(first, xi0, share) / maximum(share, smallest<T>())), smallest<T>());
+    return solve_visible_slopes(family, T(-X), V, xi1, xi2);
+  };
+  const auto any_slope = [&]() -> visible_slopes<T> {
+    const T rest = select(first, T(1), T((T(1) - xi0) / maximum(other, smallest<T>())));
+    const T r = family.survival_radius(T(-log(maximum(rest, smallest<T>()))));
+    const elementary::circle<T> azimuth = elementary::cos_sin_of_turns(xi1);
+    const T P = r * azimuth.cosine;
+    return {select((P < T(0)) & (xi2 * c < -P), T(-P), P), r * azimuth.sine};
+  };
+  return choose(first, seen_from_below, any_slope);
+}
+
+template <class T>
+T uniform(const T& xi) {
+  return where((xi >= T(0)) & (xi < T(1)), xi);
+}
+
+}  // namespace detail
+
+// From two or three uniforms (Family::visible_dimensions); the result is continuous in them where the family
+// has such a scheme.
+template <class Family, class T, class Shape>
+vec3<T> sample_visible(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
+                       const T& xi1, const T& xi2) {
+  const detail::standard_direction<T> seen(distribution.shape(), w);
+  const Family& family = distribution.family();
+  const T u = detail::uniform(xi0), v = detail::uniform(xi1);
+  const visible_slopes<T> slopes = detail::draw_visible_slopes(family, seen.x, u, v, xi2);
+  return detail::normal_of_visible(distribution.shape(), seen, slopes);
+}
+
+// The cheaper way where there are two: with the probability of the area that w sees from below, xi0 small, the
+// slope is one that the mirrored w from below sees, else one of all slopes, turned towards w where w sees too
+// little of it. max(0, x + P) + max(0, x - P) = 2 max(x, 0) + max(0, |P| - |x|). Three uniforms.
+template <class Family, class T, class Shape>
+vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
+                               const T& xi1, const T& xi2) {
+  const Family& family = distribution.family();
+  if constexpr (requires { family.sf_over_density(w.z); }) {
+    const detail::standard_direction<T> seen(distribution.shape(), w);
+    const T u = detail::uniform(xi0), v = detail::uniform(xi1), last = detail::uniform(xi2);
+    const auto slopes = [&] { return detail::mix_visible_slopes(family, seen.x, u, v, last); };
+    if constexpr (requires { family.closed_slopes(seen.x, u, v); }) {
+      const visible_slopes<T> s = choose(
+          family.has_closed_slopes(), [&] { return family.closed_slopes(seen.x, u, v); }, slopes);
+      return detail::normal_of_visible(distribution.shape(), seen, s);
+    } else {
+      return detail::normal_of_visible(distribution.shape(), seen, slopes());
+    }
+  } else {
+    return sample_visible(distribution, w, xi0, xi1, xi2);
+  }
+}
+
+}  // namespace microfacet

@@ -1,0 +1,160 @@
+// The slope in the plane of incidence of the facets that a direction sees, by inversion of its distribution.
+//
+// In standard space the direction has x = cot(theta) of any sign. Of slopes P, positive ones leaning towards
+// it, it sees the density (x + P)_+ P2(P)/(max(x, 0) + J(|x|)), J = slope_excess. With c = max(x, 0) and
+// p0 = max(-x, 0), the slope from which on it leans towards the direction, there are two sides:
+//
+//   upper, P = p0 + v:       Pr(slope > P) ~ (x + P) slope_sf(P) + J(P)
+//   lower, P = -v, 0<v<x:    Pr(slope < P) ~ (x - v) slope_sf(v) - J(v) + J(x)
+//
+// Each over P2(t), t = |P|, is a function that neither over- nor underflows, and log(probability/target) is
+// solved by Halley's method: above in the variable (x + P)^2/2, below in log(x + P), which are straight where
+// the probability has its double zeros. The other side of the quotient is an exponent: no difference of
+// logarithms. What a family states (`tails`): slope_sf/P2, J/P2, int_t^inf y P2(y) dy/P2, the logarithmic
+// derivative of P2, and its fall log P2(t) - log P2(t + v).
+#pragma once
+
+#include "microfacet/core/elementary.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/twofold.hpp"
+
+namespace microfacet {
+
+namespace detail {
+
+template <class Family, class T>
+class visible_slope_solver {
+  using Mask = decltype(T(0) < T(0));
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+
+ public:
+  visible_slope_solver(const Family& family, const T& x, const T& share)
+      : family_(family),
+        x_(x),
+        below_(x <= T(0)),
+        start_(select(below_, T(-x), T(0))),
+        c_(select(below_, T(0), x)),
+        sf_start_(family.sf_over_density(start_)),
+        excess_(family.excess_over_density(abs(x), select(below_, sf_start_, family.sf_over_density(abs(x))))) {
+    const T above = upper(start_, T(0), sf_start_);
+    const T under = either(
+        below_, [&] { return T(0); },
+        [&] { return lower(family_.near(start_, c_), family_.near_moments(start_, c_), start_, c_, sf_start_); });
+    const T whole = above + under, rest = T(1) - share;
+    on_lower_ = select(share > T(0.5), under - rest * whole, share * whole - above) > T(0);
+    part_ = select(on_lower_, under, above);
+    depth_ = maximum(T(-log(select(on_lower_, rest, share) * (whole / part_))), T(0));
+    // On the upper side, what lies between its start and the result.
+    between_ = maximum(T(rest * whole - under), T(0));
+  }
+
+  T operator()() const {
+    T v = first();
+    for (int i = 0; i < (single ? 2 : 4); ++i) v = next(v);
+    return select(on_lower_, T(-v), T(start_ + v));
+  }
+
+ private:
+  // select of two computations, the first of which is the rarer.
+  template <class Rare, class Usual>
+  static T either(const Mask& mask, const Rare& rare, const Usual& usual) {
+    return any(mask) ? select(mask, T(rare()), T(usual())) : T(usual());
+  }
+
+  // Over P2(t), the probability of what lies above t = start + v, and of what lies below -t = d - x.
+  T upper(const T& t, const T& v, const T& sf) const {
+    return either(
+        below_, [&] { return T(multiply_add(v, sf, family_.excess_over_density(t, sf))); },
+        [&] { return T(multiply_add(x_, sf, family_.moment_over_density(t))); });
+  }
+  T lower(const Mask& near, const near_integrals<T>& s, const T& t, const T& d, const T& sf) const {
+    const T general = (d * sf - family_.excess_over_density(t, sf)) + excess_ * exp(-family_.fall(t, d));
+    return select(near, T(d * s.mass - s.moment), general);
+  }
+
+  // Exact for x = 0, for small depths and in the tail.
+  T first() const {
+    const T b = c_ / part_, root = sqrt(depth_);
+    const T s0 = T(2) * depth_ / (b + sqrt(b * b + T(4) * depth_) + smallest<T>());
+    const T t1 = family_.survival_radius(maximum(T(depth_ - log1p(b * s0)), T(0)));
+    const T width = abs(x_) * sqrt(T(2) * excess_) / (excess_ + abs(x_) * sf_start_);
+    const T grown = select(below_, T(width * root * (T(1) + width * root * T(1.0 / 3))), T(0));
+    const T ratio = select(below_, T(1), T(family_.moment_over_density(T(0)) / part_));
+    const T change = grown / (T(1) + family_.inverse_tail() * grown) * ratio + (ratio - T(1));
+    const T t2 = family_.moment_radius(start_, maximum(T(depth_ + log1p(change)), T(0)));
+    const T above = select(below_, t2, maximum(t1, t2));
+    const auto under = [&] {
+      const T by_angle = -x_ * expm1(T(-0.5) * depth_);
+      const T less = minimum(t1, by_angle), more = maximum(maximum(t1, by_angle), smallest<T>());
+      const T blend = less / (T(1) + T(0.19) * square(square(T(less / more))));
+      // At its end the probability is P2(x) (x - v)^2/2.
+      const T end = x_ - sqrt(T(2) * part_ * exp(family_.fall(T(0), abs(x_)) - depth_));
+      return select(end > T(0.5) * x_, end, blend);
+    };
+    return either(on_lower_, under, [&] { return above; });
+  }
+
+  T next(const T& v) const {
+    const T t = start_ + v, slope = family_.log_slope(t), sf = family_.sf_over_density(t);
+    const T least = maximum(T(abs(x_) * T(single ? 0x1p-30 : 0x1p-60)), T(smallest<T>() * T(4096)));
+    const T d = maximum(select(on_lower_, T(c_ - v), T(c_ + v)), least);
+    // Close to its end each side is an integral over little, else the difference of two.
+    const T origin = select(on_lower_, t, start_), distance = select(on_lower_, d, v);
+    const auto near = family_.near(origin, distance);
+    near_integrals<T> s{T(0), T(0)};
+    if (any(near)) s = family_.near_moments(origin, distance);
+    const T N = either(
+        on_lower_, [&] { return lower(near, s, t, d, sf); }, [&] { return upper(t, v, sf); });
+    const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
+    const auto small = near & !on_lower_;
+    const T r = select(small, T(0), T(depth_ - family_.fall(start_, v))) +
+                log_sum(select(small, T(1), T(N / part_)), select(small, change, T(0)));
+
+    const T per_d = N / d, twice = select(on_lower_, T(T(2) * per_d / d), T(0));
+    const T newton =
+        r * N / minimum(maximum(T(T(1) + T(0.5) * r * (T(1) + slope * per_d - twice)), T(0.5)), T(2));
+    const T square_change = maximum(newton, T(T(-0.48) * d * d));
+    const T step = T(2) * square_change / (sqrt(d * d + T(2) * square_change) + d);
+    const auto by_ratio = [&] { return T(d * relative_step(T(newton / (d * d)))); };
+    const T moved = v + either(on_lower_, by_ratio, [&] { return step; });
+    return minimum(maximum(moved, T(0)), largest_slope<T>());
+  }
+  static T log_sum(const T& a, const T& b) {
+    const twofold<T> sum = exact_sum(a, b);
+    return log_twofold(sum).high;
+  }
+  // 1 - exp(-z), |z| held below 2, to a few percent.
+  static T relative_step(const T& z_argument) {
+    const T z = minimum(maximum(z_argument, T(-2)), T(2));
+    return z / (T(1) + z * (T(0.5) + z * T(1.0 / 12)));
+  }
+
+  const Family& family_;
+  T x_;
+  Mask below_;
+  T start_, c_, sf_start_, excess_;
+  Mask on_lower_;
+  T part_, depth_, between_;
+};
+
+}  // namespace detail
+
+// `share` in (0, 1) is the probability of a slope above the result.
+template <class Family, class T>
+T visible_slope(const Family& family, const T& x, const T& share) {
+  return detail::visible_slope_solver<Family, T>(family, x, share)();
+}
+
+// The slope across the plane of incidence, given that in it.
+template <class Family, class T>
+T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2) {
+  if constexpr (requires { family.across_by_quantile(xi1); }) {
+    return family.across_by_quantile(xi1);
+  } else {
+    const T valid = where((xi2 >= T(0)) & (xi2 < T(1)), xi2);
+    return family.across(along, T(-log1p(-xi1))) *
+           elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine;
+  }
+}
+
+}  // namespace microfacet

@@ -1,0 +1,184 @@
+"""Drawing normals: from D cos(theta), and from the density that a direction sees."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from microfacet._quantities import Quantities
+
+__all__ = ["Sampling"]
+
+
+def _array(owner: str, name: str, values: ArrayLike, lengths: tuple[int, ...]) -> Any:
+    """`values` as an array whose last axis has one of these lengths."""
+    array = np.asanyarray(values)
+    if array.ndim == 0 or array.shape[-1] not in lengths:
+        wanted = " or ".join(f"(..., {length})" for length in lengths)
+        raise ValueError(f"{owner}: {name} must have shape {wanted}, got {array.shape}")
+    return array
+
+
+def _normals(owner: str, shape: tuple[int, ...], inputs: tuple[Any, ...], out: Any) -> Any:
+    """Where to write normals: `out`, or a new array in the precision of the inputs."""
+    if out is None:
+        single = all(np.can_cast(array.dtype, np.float32) for array in inputs)
+        return np.empty(shape, np.float32 if single else np.float64)
+    if np.shape(out) != shape:
+        raise ValueError(f"{owner}: out must have shape {shape}, got {np.shape(out)}")
+    return out
+
+
+class Sampling(Quantities):
+    """The samplers of a distribution, from uniform random numbers that the caller owns."""
+
+    __slots__ = ()
+    kernels: ClassVar[Any]
+
+    def sample(self, xi: ArrayLike, *, out: NDArray[Any] | None = None) -> Any:
+        """Normals drawn from D cos(theta), by inversion.
+
+        Parameters
+        ----------
+        xi : array_like, shape (..., 2)
+            Uniform random numbers in [0, 1): the first gives the slope (0 the macroscopic normal), the second
+            times 2 pi the azimuth of the normal before the stretch. The caller owns the generator.
+        out : ndarray, shape (..., 3), optional
+            Where to write the normals.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Unit normals; nan where `xi` lies outside [0, 1).
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> print(abs(mf.StudentT(alpha=0.3, gamma=2.5).sample([0.0, 0.25])))
+        [0. 0. 1.]
+        """
+        owner = f"{type(self).__name__}.sample"
+        xi = _array(owner, "xi", xi, (2,))
+        out = _normals(owner, (*xi.shape[:-1], 3), (xi,), out)
+        kernel, parameters = self._kernel("sample")
+        kernel(xi[..., 0], xi[..., 1], *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
+        return out
+
+    @property
+    def visible_dims(self) -> int:
+        """How many uniforms `sample_visible` takes with its default scheme: 2 or 3."""
+        return int(self.kernels.visible_dims)
+
+    def sample_visible(
+        self,
+        w: ArrayLike,
+        xi: ArrayLike,
+        *,
+        scheme: str = "continuous",
+        bounded: bool = False,
+        out: NDArray[Any] | None = None,
+    ) -> Any:
+        """Normals drawn from `D_visible`, the density of the normals that `w` sees.
+
+        Exact for every direction, above the horizon and below it, from a fixed number of uniforms, without
+        rejection. A renderer that reflects or refracts about such a normal multiplies by F G2/G1 alone.
+
+        Parameters
+        ----------
+        w : array_like, shape (..., 3)
+            Unit directions on the whole sphere, pointing away from the surface.
+        xi : array_like, shape (..., visible_dims) or (..., 3)
+            Uniform random numbers in [0, 1). Their leading axes broadcast against those of `w`. Where two are
+            enough a third is ignored.
+        scheme : {"continuous", "mixture"}
+            "continuous" gives a normal that is continuous in `xi`, where the family has such a scheme, for
+            quasi-Monte Carlo points: the first uniform is the probability of a smaller slope in the plane of
+            incidence. "mixture", for random walks, costs less and takes three uniforms. Closed samplers have
+            one scheme under both names.
+        bounded : bool
+            GGX alone, for reflection: leave out what would reflect `w` below the horizon, as far as a
+            spherical cap can. The density is then ``pdf_visible(m, w, bounded=True)``.
+        out : ndarray, shape (..., 3), optional
+            Where to write the normals.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Unit normals with m.z > 0 and m . w >= 0; nan where `xi` lies outside [0, 1) and straight down,
+            where sigma(w) = 0.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> import numpy as np
+        >>> ndf = mf.Beckmann(alpha=0.5)
+        >>> xi = np.random.default_rng(1).random((1000, ndf.visible_dims))
+        >>> m = ndf.sample_visible([0.96, 0.0, 0.28], xi)
+        >>> m.shape, bool((m[:, 2] > 0).all())
+        ((1000, 3), True)
+        """
+        owner = f"{type(self).__name__}.sample_visible"
+        quantity = self._visible_quantity(owner, scheme, bounded)
+        dims = 3 if quantity.endswith("mixture") else self.visible_dims
+        w, xi = _array(owner, "w", w, (3,)), _array(owner, "xi", xi, (2, 3) if dims == 2 else (3,))
+        shape = np.broadcast_shapes(w.shape[:-1], xi.shape[:-1])
+        out = _normals(owner, (*shape, 3), (w, xi), out)
+        kernel, parameters = self._kernel(quantity)
+        uniforms = (xi[..., 0], xi[..., 1], xi[..., min(2, dims - 1)])
+        parts = (w[..., 0], w[..., 1], w[..., 2], *uniforms)
+        kernel(*parts, *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
+        return out
+
+    def _visible_quantity(self, owner: str, scheme: str, bounded: bool) -> str:
+        if scheme not in ("continuous", "mixture"):
+            raise ValueError(f'{owner}: scheme must be "continuous" or "mixture", got {scheme!r}')
+        if bounded:
+            self._require_bounded(owner)
+            return "sample_visible_bounded"
+        # A shape parameter may bring a closed sampler, which has fewer dimensions and no mixture.
+        mixes = hasattr(self.kernels, "isotropic_sample_visible_mixture")
+        closed = self.visible_dims < self.kernels.visible_dims
+        return "sample_visible_mixture" if scheme == "mixture" and mixes and not closed else "sample_visible"
+
+    def _require_bounded(self, owner: str) -> None:
+        if not hasattr(self.kernels, "isotropic_sample_visible_bounded"):
+            raise ValueError(f"{owner}: bounded=True is for GGX alone")
+
+    def pdf_visible(
+        self,
+        m: ArrayLike,
+        w: ArrayLike,
+        *components: ArrayLike,
+        bounded: bool = False,
+        out: Any = None,
+        where: Any = True,
+    ) -> Any:
+        """Density per steradian of the normals that `sample_visible` draws.
+
+        Parameters
+        ----------
+        m, w : array_like, shape (..., 3)
+            Normals and directions; or six arrays, x, y and z of `m`, then of `w`.
+        bounded : bool
+            As in `sample_visible`.
+        out, where
+            As for `D`.
+
+        Returns
+        -------
+        ndarray or scalar
+            `D_visible`; with `bounded`, which is for GGX alone, the larger density on a part of its normals.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> ndf, w = mf.GGX(alpha=0.5), [0.6, 0.0, 0.8]
+        >>> bool(ndf.pdf_visible([0, 0, 1], w) == ndf.D_visible([0, 0, 1], w))
+        True
+        """
+        if bounded:
+            self._require_bounded(f"{type(self).__name__}.pdf_visible")
+        quantity = "pdf_visible_bounded" if bounded else "D_visible"
+        return self._of_directions(quantity, ("m", "w"), (m, w, *components), out, where)
