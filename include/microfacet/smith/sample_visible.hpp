@@ -49,7 +49,8 @@ vec3<T> normal_of_visible(const Shape& shape, const standard_direction<T>& w, co
   const T most = T(single ? 1e18 : 1e150);
   T x = w.cosine * s.along - w.sine * s.across, y = w.sine * s.along + w.cosine * s.across;
   shape.to_surface(x, y);
-  x = maximum(minimum(x, most), T(-most)), y = maximum(minimum(y, most), T(-most));
+  const T larger = maximum(T(abs(x)), T(abs(y))), scale = select(larger > most, T(most / larger), T(1));
+  x = x * scale, y = y * scale;
   const T z = T(1) / sqrt(T(1) + (x * x + y * y));
   return {x * z, y * z, z};
 }
