@@ -105,12 +105,24 @@ struct ufunc_loops {
     return at;
   }
 
+  // A normal on the horizon by rounding alone stays above it.
+  template <class Compute, class T>
+  static void keep_above(char* const* args, const npy_intp* steps, npy_intp n) {
+    if constexpr (requires { Operation::samples_visible; } && !std::is_same_v<Compute, T>) {
+      for (npy_intp i = 0; i < n; ++i) {
+        T& z = *reinterpret_cast<T*>(args[inputs + 2] + i * steps[inputs + 2]);
+        if (z == T(0)) z = smallest<T>();
+      }
+    }
+  }
+
   template <class Compute, class T>
   static void run(char* const* args, const npy_intp* steps, npy_intp n, bool constant) {
     if (constant) {
       const auto p = constant_parameters<lanes<Compute>, stored_parameter<T>>(args);
       const auto d = own_distribution(p.data());
       in_blocks<Compute, T>(plan, args, steps, n, true, own_kernel<lanes<Compute>, decltype(d)>(), &d);
+      keep_above<Compute, T>(args, steps, n);
     } else if constexpr (WideParameters) {
       // Frozen distributions have constant parameters: no kernel of its own for others.
       for (npy_intp i = 0; i < n; ++i) run<Compute, T>(shifted(args, steps, i).data(), steps, 1, true);
@@ -132,6 +144,7 @@ struct ufunc_loops {
         make_distribution(table_density<Model, table_lanes>(*tables), Model::shape(p.data()), p.data());
     in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_flat<Operation, table_lanes, decltype(d)>,
                           &d);
+    keep_above<Compute, T>(args, steps, n);
     return true;
   }
 
@@ -168,6 +181,8 @@ struct ufunc_loops {
   static constexpr bool pays_to_prepare() {
     if constexpr (Model::family::costly == 0) {
       return false;
+    } else if constexpr (requires { Operation::samples_visible; }) {
+      return !requires { &Model::family::sf_over_density; };
     } else {
       return (Operation::needs & ~Model::family::costly) == 0;
     }

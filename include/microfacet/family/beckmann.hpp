@@ -61,8 +61,8 @@ class beckmann {
   T excess_over_density(const T& t, const T&) const {
     return T(0.5 * sqrt_pi) * ierfc_scaled(t) * square(beyond_erfc(t));
   }
-  T moment_over_density(const T&) const { return T(0.5); }
-  T log_slope(const T& t) const { return T(-2) * t; }
+  T moment_over_density(const T&, const T&) const { return T(0.5); }
+  T log_slope(const T& t, const T&) const { return T(-2) * t; }
   T fall(const T& t, const T& v) const { return v * (T(2) * t + v); }
   T survival_radius(const T& depth) const { return sqrt(depth); }
   T moment_radius(const T& t, const T& depth) const {
@@ -71,7 +71,7 @@ class beckmann {
   T inverse_tail() const { return T(0); }
   // Where near_moments(t, d) holds: a series in d, of which term n obeys the recurrence of Hermite's
   // polynomials.
-  auto near(const T& t, const T& d) const { return d * (T(1) + T(2) * t) < T(single ? 0.6 : 0.15); }
+  auto near(const T& t, const T& d, const T&) const { return d * (T(1) + T(2) * t) < T(single ? 0.6 : 0.15); }
   near_integrals<T> near_moments(const T& t, const T& d) const {
     const T a = T(-2) * t * d, b = T(-2) * d * d;
     T before(0), term(1), mass(1), moment(0.5);

@@ -143,7 +143,7 @@ class k0 {
     const T X = abs(x), c = select(up, x, T(0)), below = slope_excess(slope<T>(X));
     const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
     const auto first = xi0 <= share;
-    const T V = select(first, T(xi0 / share), T((T(1) - xi0) / maximum(other, smallest<T>())));
+    const T V = select(first, T(xi0 / maximum(share, smallest<T>())), T((T(1) - xi0) / maximum(other, smallest<T>())));
     const T length = T(0.5) * excess_quantile(maximum(V, smallest<T>()));
 
     const T e = T(-0.5) * log1p(-xi1), leaning = X + length;

@@ -46,6 +46,8 @@ class prepared {
   MICROFACET_INLINE R radius(const R& xi) const {
     return t_->radius(quotient(twofold<R>(xi), exact_sum_of_ordered(R(1), R(-xi))));
   }
+  MICROFACET_INLINE R radius_at_odds(const R& odds) const { return t_->radius(twofold<R>(odds)); }
+  MICROFACET_INLINE const auto& visible() const { return t_->visible; }
   MICROFACET_INLINE R radius2(const R& xi) const { return square(radius(xi)); }
   MICROFACET_INLINE R P2(const slope<R>& t, const R& factor = R(1)) const {
     return square(R(t_->root_P2(abs(t.value)) * sqrt(factor)));

@@ -21,7 +21,8 @@ enum radial_function : unsigned {
   of_P2 = 8,
   of_slope_sf = 16,
   of_slope_excess = 32,
-  of_all = 63
+  of_all = 63,
+  of_visible = 64  // what visible normals need besides
 };
 
 // A slope with its square; exponents are made of the one or the other.

@@ -16,6 +16,7 @@
 #include "microfacet/core/piecewise_fit.hpp"
 #include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/family/visible_tables.hpp"
 
 namespace microfacet {
 
@@ -38,6 +39,7 @@ class radial_tables {
   table root_P2;       // the square root of P2 at t > 0
   table slope_sf;      // at t > 0
   table slope_excess;  // at t^2
+  visible_tables<T> visible;
 
   // From a family in double precision, scalar or pack.
   template <class Family>
@@ -184,6 +186,10 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   if (functions & of_slope_excess)
     fill(slope_excess, [&](const R& L) { return samples.slope_excess(L); },
          {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
+  if (functions & of_visible)
+    visible.build(family, [](const double* L, double* f, int n, const auto& function) {
+      detail::in_lanes<R>(L, f, n, function);
+    });
 }
 
 }  // namespace microfacet

@@ -75,15 +75,15 @@ class student_t {
     const T y = t * t * inverse_k_.high;
     return student::tail(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_;
   }
-  T moment_over_density(const T& t) const { return (k_ + t * t) / (T(2) * k_ - T(1)); }
+  T moment_over_density(const T& t, const T&) const { return (k_ + t * t) / (T(2) * k_ - T(1)); }
   // A difference, where it loses little.
   T excess_over_density(const T& t, const T& sf) const {
     const T y = t * t * inverse_k_.high;
     const auto series = [&] { return T(student::excess(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_); };
-    const auto difference = [&] { return T(moment_over_density(t) - t * sf); };
+    const auto difference = [&] { return T(moment_over_density(t, sf) - t * sf); };
     return choose(t * t < T(0.5), [&] { return difference(); }, [&] { return series(); });
   }
-  T log_slope(const T& t) const { return (T(-2) * k_ - T(1)) * t / (k_ + t * t); }
+  T log_slope(const T& t, const T&) const { return (T(-2) * k_ - T(1)) * t / (k_ + t * t); }
   T fall(const T& t, const T& v) const {
     return (k_ + T(0.5)) * log1p(T(v * ((T(2) * t + v) / (k_ + t * t))));
   }
@@ -96,7 +96,7 @@ class student_t {
   }
   T inverse_tail() const { return T(1) / (T(2) * k_ - T(1)); }
   // Where near_moments(t, d) holds: a series in d, whose terms obey the differential equation of P2.
-  auto near(const T& t, const T& d) const {
+  auto near(const T& t, const T& d, const T&) const {
     constexpr double most = sizeof(typename scalar_traits<T>::real) == 4 ? 0.6 : 0.15;
     const T length2 = k_ + t * t, unit = (T(2) * k_ + T(1)) * d;
     return (t * unit < T(most) * length2) & (d * unit < T(most * most) * length2);

@@ -15,6 +15,7 @@
 #include "microfacet/core/vec.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/visible_slope.hpp"
+#include "microfacet/smith/visible_tails.hpp"
 
 namespace microfacet {
 
@@ -58,8 +59,15 @@ vec3<T> normal_of_visible(const Shape& shape, const standard_direction<T>& w, co
 template <class Family, class T>
 visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
                                        const T& xi2) {
-  const T along = visible_slope(family, x, T(maximum(xi0, smallest<T>())));
-  return {along, slope_across(family, along, xi1, xi2)};
+  const auto from = [&](const auto& tails) -> visible_slopes<T> {
+    const T along = visible_slope(tails, x, T(maximum(xi0, smallest<T>())));
+    return {along, slope_across(tails, along, xi1, xi2)};
+  };
+  if constexpr (requires { family.sf_over_density(x); }) {
+    return from(family);
+  } else {
+    return from(visible_tails<Family, T>(family));
+  }
 }
 template <class Family, class T>
 visible_slopes<T> draw_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
@@ -88,7 +96,14 @@ visible_slopes<T> mix_visible_slopes(const Family& family, const T& x, const T& 
   };
   const auto any_slope = [&]() -> visible_slopes<T> {
     const T rest = select(first, T(1), T((T(1) - xi0) / maximum(other, smallest<T>())));
-    const T r = family.survival_radius(T(-log(maximum(rest, smallest<T>()))));
+    const T depth = -log(maximum(rest, smallest<T>()));
+    const T r = [&] {
+      if constexpr (requires { family.survival_radius(depth); }) {
+        return family.survival_radius(depth);
+      } else {
+        return visible_tails<Family, T>(family).survival_radius(depth);
+      }
+    }();
     const elementary::circle<T> azimuth = elementary::cos_sin_of_turns(xi1);
     const T P = r * azimuth.cosine;
     return {select((P < T(0)) & (xi2 * c < -P), T(-P), P), r * azimuth.sine};
@@ -122,7 +137,7 @@ template <class Family, class T, class Shape>
 vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
                                const T& xi1, const T& xi2) {
   const Family& family = distribution.family();
-  if constexpr (requires { family.sf_over_density(w.z); }) {
+  if constexpr (!requires { family.visible_slopes_of(w.z, xi0, xi1, xi2); }) {
     const detail::standard_direction<T> seen(distribution.shape(), w);
     const T u = detail::uniform(xi0), v = detail::uniform(xi1), last = detail::uniform(xi2);
     const auto slopes = [&] { return detail::mix_visible_slopes(family, seen.x, u, v, last); };

@@ -39,7 +39,7 @@ class visible_slope_solver {
     const T above = upper(start_, T(0), sf_start_);
     const T under = either(
         below_, [&] { return T(0); },
-        [&] { return lower(family_.near(start_, c_), family_.near_moments(start_, c_), start_, c_, sf_start_); });
+        [&] { return lower(family_.near(start_, c_, sf_start_), family_.near_moments(start_, c_), start_, c_, sf_start_); });
     const T whole = above + under, rest = T(1) - share;
     on_lower_ = select(share > T(0.5), under - rest * whole, share * whole - above) > T(0);
     part_ = select(on_lower_, under, above);
@@ -50,7 +50,14 @@ class visible_slope_solver {
 
   T operator()() const {
     T v = first();
-    for (int i = 0; i < (single ? 2 : 4); ++i) v = next(v);
+    auto moving = v >= T(0);  // a lane that has converged stays, so that its neighbours do not change it
+    for (int i = 0; i < 16; ++i) {
+      const T moved = select(moving, next(v), v);
+      // Convergence is cubic, or nearly.
+      moving = moving & (abs(moved - v) > T(single ? 3e-3 : 1e-6) * select(on_lower_, minimum(v, T(c_ - v)), v));
+      v = moved;
+      if (!any(moving)) break;
+    }
     return select(on_lower_, T(-v), T(start_ + v));
   }
 
@@ -65,7 +72,7 @@ class visible_slope_solver {
   T upper(const T& t, const T& v, const T& sf) const {
     return either(
         below_, [&] { return T(multiply_add(v, sf, family_.excess_over_density(t, sf))); },
-        [&] { return T(multiply_add(x_, sf, family_.moment_over_density(t))); });
+        [&] { return T(multiply_add(x_, sf, family_.moment_over_density(t, sf))); });
   }
   T lower(const Mask& near, const near_integrals<T>& s, const T& t, const T& d, const T& sf) const {
     const T general = (d * sf - family_.excess_over_density(t, sf)) + excess_ * exp(-family_.fall(t, d));
@@ -79,7 +86,7 @@ class visible_slope_solver {
     const T t1 = family_.survival_radius(maximum(T(depth_ - log1p(b * s0)), T(0)));
     const T width = abs(x_) * sqrt(T(2) * excess_) / (excess_ + abs(x_) * sf_start_);
     const T grown = select(below_, T(width * root * (T(1) + width * root * T(1.0 / 3))), T(0));
-    const T ratio = select(below_, T(1), T(family_.moment_over_density(T(0)) / part_));
+    const T ratio = select(below_, T(1), T(family_.moment_over_density(T(0), sf_start_) / part_));
     const T change = grown / (T(1) + family_.inverse_tail() * grown) * ratio + (ratio - T(1));
     const T t2 = family_.moment_radius(start_, maximum(T(depth_ + log1p(change)), T(0)));
     const T above = select(below_, t2, maximum(t1, t2));
@@ -95,12 +102,12 @@ class visible_slope_solver {
   }
 
   T next(const T& v) const {
-    const T t = start_ + v, slope = family_.log_slope(t), sf = family_.sf_over_density(t);
+    const T t = start_ + v, sf = family_.sf_over_density(t), slope = family_.log_slope(t, sf);
     const T least = maximum(T(abs(x_) * T(single ? 0x1p-30 : 0x1p-60)), T(smallest<T>() * T(4096)));
     const T d = maximum(select(on_lower_, T(c_ - v), T(c_ + v)), least);
     // Close to its end each side is an integral over little, else the difference of two.
     const T origin = select(on_lower_, t, start_), distance = select(on_lower_, d, v);
-    const auto near = family_.near(origin, distance);
+    const auto near = family_.near(origin, distance, select(on_lower_, sf, sf_start_));
     near_integrals<T> s{T(0), T(0)};
     if (any(near)) s = family_.near_moments(origin, distance);
     const T N = either(

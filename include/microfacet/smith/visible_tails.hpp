@@ -1,0 +1,106 @@
+// What smith/visible_slope.hpp asks of a family, from the functions of any radial family: quotients of tails
+// by the density of slopes along an axis, and inverses. Meant for prepared densities, whose functions cost
+// alike.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/family/radial.hpp"
+
+namespace microfacet {
+
+template <class Family, class T>
+class visible_tails {
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+
+ public:
+  explicit visible_tails(const Family& family) : family_(family) {}
+
+  T sf_over_density(const T& t) const { return family_.slope_sf(slope<T>(off_zero(t))) / density(t); }
+  T excess_over_density(const T& t, const T&) const {
+    return family_.slope_excess(slope<T>(off_zero(t))) / density(t);
+  }
+  T moment_over_density(const T& t, const T& sf) const { return excess_over_density(t, sf) + t * sf; }
+  // Nearly: exact for an exponential, and far out for a power and a Gaussian.
+  T log_slope(const T& t, const T& sf) const {
+    const T ratio = sf * sf / excess_over_density(t, sf);
+    return (ratio - T(2)) * t * t / (sf * (t * t + T(0.25) * sf * sf));
+  }
+  T fall(const T& t, const T& v) const { return log(density(t) / density(T(t + v))); }
+  T survival_radius(const T& depth) const {
+    if constexpr (requires { family_.radius_at_odds(depth); }) {
+      return family_.radius_at_odds(expm1(depth));
+    } else {
+      const T xi = minimum(T(-expm1(-depth)), T(single ? 1 - 0x1p-24 : 1 - 0x1p-53));
+      if constexpr (requires { family_.radius(xi); }) {
+        return family_.radius(xi);
+      } else {
+        return sqrt(family_.radius2(xi));
+      }
+    }
+  }
+  T moment_radius(const T& t, const T& depth) const {
+    const T sf = sf_over_density(t), moment = moment_over_density(t, sf);
+    // As of a Gaussian: exact for small depths.
+    const T twice = T(2) * depth * moment;
+    const T light = twice / (t + sqrt(t * t + twice) + smallest<T>());
+    if constexpr (requires { family_.visible(); }) {
+      const T all(family_.visible().first_moment);
+      const T odds = all / (moment * density(t)) * exp(minimum(depth, T(single ? 60 : 500))) - T(1);
+      const T far = family_.visible().moment_radius(twofold<T>(odds)) - t;
+      return select((odds > T(0.4)) & (far > T(0.1) * t), far, light);
+    } else {
+      return select(t > T(0), light, maximum(light, survival_radius(depth)));
+    }
+  }
+  T inverse_tail() const { return T(0); }
+
+  // By Gauss' rule, away from the cusp that a density may have at 0.
+  auto near(const T& t, const T& d, const T& sf) const { return (d < T(0.25) * sf) & (d < T(0.25) * t); }
+  near_integrals<T> near_moments(const T& t, const T& d) const {
+    constexpr std::array<double, 4> node{0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
+                                         0.93056815579702629},
+        weight{0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
+    const T reciprocal = T(1) / density(t);
+    T mass(0), moment(0);
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      const T s = T(node[i]) * d, part = T(weight[i]) * density(T(t + s)) * reciprocal;
+      mass = mass + part, moment = moment + s * part;
+    }
+    return {d * mass, d * moment};
+  }
+
+  // sqrt(R^2 - along^2) at P2(R) = exp(-depth) P2(along): Newton's method on log P2 in R^2.
+  T across(const T& along_argument, const T& depth) const {
+    const T along = abs(along_argument), sf = sf_over_density(along);
+    const T twice = T(2) * depth * sf;
+    T rest = twice * (along + sf) + square(T(depth * sf));
+    if constexpr (requires { family_.visible(); }) {
+      const T start(family_.visible().inverse_P2);
+      const T inverse = exp(minimum(depth, T(single ? 40 : 500))) / density(along) - start;
+      const T R = family_.visible().marginal_radius(twofold<T>(inverse));
+      rest = select((R > T(1.2) * along) & (inverse > T(0.03) * start), T((R - along) * (R + along)), rest);
+    }
+    // In the variable log(R^2 - along^2).
+    auto moving = rest >= T(0);
+    for (int i = 0; i < 12; ++i) {
+      const T R = sqrt(along * along + rest), value = density(R), r = log(density(along) / value) - depth;
+      const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
+      const T change = T(2) * R * r / maximum(T(slope * rest), smallest<T>());
+      rest = select(moving, T(rest * exp(maximum(minimum(T(-change), T(2)), T(-2)))), rest);
+      moving = moving & (abs(change) > T(single ? 1e-3 : 1e-6));
+      if (!any(moving)) break;
+    }
+    return sqrt(rest);
+  }
+
+ private:
+  static T off_zero(const T& t) { return maximum(t, T(single ? 1e-30 : 1e-200)); }
+  T density(const T& t) const { return maximum(family_.P2(slope<T>(off_zero(t))), smallest<T>()); }
+
+  const Family& family_;
+};
+
+}  // namespace microfacet

@@ -1,0 +1,163 @@
+// Visible normals: the slope in the plane of incidence is the quantile that the family's own tails say, the
+// one across it has the conditional density that P22 says, and neither hostile uniforms nor hostile
+// directions give anything but unit normals that face the direction.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+#include <vector>
+
+#include "check.hpp"
+#include "families.hpp"
+#include "microfacet/family/prepared.hpp"
+#include "microfacet/smith/sample_visible.hpp"
+#include "microfacet/smith/sample_visible_bounded.hpp"
+#include "packs.hpp"
+
+namespace mf = microfacet;
+using direction = mf::vec3<double>;
+
+namespace {
+
+const std::vector<double> cotangents{1e15, 50, 3, 1, 0.2, 1e-3, 1e-9, 0, -1e-4, -0.3, -1, -3};
+const std::vector<double> uniforms{1e-12, 1e-6, 0.01, 0.2, 0.45, 0.7, 0.9};
+
+template <class Family>
+bool solved(const Family& family) {
+  return !requires { family.visible_slopes_of(0.5, 0.5, 0.5, 0.5); };
+}
+
+// Pr(slope > P) of the slopes that x sees, and their density.
+template <class Family>
+std::array<double, 2> seen(const Family& family, double x, double P) {
+  const double t = std::abs(P), sf = family.slope_sf(mf::slope<double>(t)),
+               excess = family.slope_excess(mf::slope<double>(t)),
+               below = family.slope_excess(mf::slope<double>(std::abs(x))),
+               all = std::max(x, 0.0) + below, density = (x + P) * family.P2(mf::slope<double>(t)) / all;
+  if (P >= 0) return {((x + P) * sf + excess) / all, density};
+  return {1 - ((x - t) * sf - excess + below) / all, density};
+}
+
+// One family at a time; Bessel K and GTR also from tables.
+template <class Visit>
+void each_family(const Visit& visit) {
+  families::each([&]<class Tag>(const families::arguments& a) {
+    const auto family = families::make<double, Tag>(a);
+    const check::note at(Tag::template type<double>::name, " ", a.empty() ? 0.0 : a.front(), " ",
+                         a.empty() ? 0.0 : a.back());
+    visit(family);
+  });
+}
+
+double spacing(double p) { return std::nextafter(std::abs(p), mf::inf) - std::abs(p); }
+
+}  // namespace
+
+TEST(slope_in_the_plane_is_the_quantile) {
+  const auto one = [](const auto& family, const auto& reference) {
+    for (const double x : cotangents) {
+      if (reference.slope_excess(mf::slope<double>(std::abs(x))) < 1e-280 && x < 0) continue;
+      for (const double xi : uniforms) {
+        const check::note at("x = ", x, ", xi = ", xi);
+        const double P = mf::detail::solve_visible_slopes(family, x, xi, 0.5, 0.5).along;
+        const auto [above, density] = seen(reference, x, P);
+        CHECK(P >= -x);
+        // The reference subtracts near the ends, and P - |x| carries the rounding of x.
+        const double rounding = 1e-15 / std::min(1.0, std::max(x, 1e-3)) + 1e-13;
+        CHECK(std::abs(above - xi) <= 1e-11 * std::min(xi, 1 - xi) + rounding * xi + 4 * spacing(P) * density);
+      }
+    }
+  };
+  each_family([&]<class Family>(const Family& family) {
+    if constexpr (Family::costly == mf::of_all || Family::costly == (mf::of_all & ~mf::of_P22)) {
+      static mf::radial_tables<double> tables;
+      tables.build(family, mf::of_all | mf::of_visible);
+      if (tables.good(mf::of_all)) one(mf::prepared<Family, double>(tables), family);
+    } else if constexpr (requires { &Family::sf_over_density; }) {
+      one(family, family);
+    }
+  });
+}
+
+// Given the slope in the plane, the one across it has the distribution int P22(P, q) dq/P2(P).
+TEST(slope_across_the_plane_is_conditional) {
+  each_family([](const auto& family) {
+    if constexpr (solved(decltype(family)(family))) {
+      for (const double x : {2.0, 0.1, -0.5}) {
+        // The distribution function at q is the mean over xi1 of arccos(q/rest)/pi.
+        const double P = mf::detail::solve_visible_slopes(family, x, 0.4, 0.5, 0.5).along, q = 0.7 * (1 + std::abs(P));
+        constexpr int steps = 400;
+        double below = 0, mass = 0;
+        for (int i = 0; i < steps; ++i) {
+          const double v = (i + 0.5) / steps, xi1 = 1 - v * v, measure = 2 * v / steps;
+          // At xi2 = 0 it is the radius itself (or for Beckmann the quantile of xi1).
+          const double rest = mf::detail::solve_visible_slopes(family, x, 0.4, xi1, 0.0).across;
+          below += measure * std::acos(std::clamp(q / std::abs(rest), -1.0, 1.0)) / mf::pi;
+        }
+        constexpr int nodes = 4000;
+        for (int i = 0; i <= nodes; ++i) {
+          const double y = q * i / nodes;
+          mass += (i == 0 || i == nodes ? 0.5 : 1.0) * family.P22(mf::twofold<double>(P * P + y * y)) * q / nodes;
+        }
+        const double expected = 0.5 - mass / family.P2(mf::slope<double>(std::abs(P)));
+        if (!requires { family.across_by_quantile(0.5); }) CHECK(std::abs(below - expected) < 1e-3);
+      }
+    }
+  });
+}
+
+TEST(hostile_uniforms_and_directions) {
+  constexpr std::array xi{0.0, 5e-324, 1e-30, 0x1p-53, 0.5, 1 - 0x1p-53};
+  const std::array w{direction{0, 0, 1},       direction{1, 0, 0},        direction{0, -1, 0},
+                     direction{1e-30, 0, 1},   direction{1e-3, 1e-3, 1},  direction{0.6, 0, -0.8},
+                     direction{1, 0, -1e-20},  direction{0.8, 0.6, 1e-9}, direction{1e-3, 0, -1},
+                     direction{0.6, 0, 0.8001}};
+  each_family([&]<class Family>(const Family& family) {
+    if constexpr (Family::costly == 0 || requires { &Family::sf_over_density; }) {
+      const mf::anisotropic_shape<double> shape(0.1, 0.6, 0.8, 0.6);
+      const mf::ndf<Family, double> distribution(family, shape);
+      for (const direction& d : w)
+        for (const double a : xi)
+          for (const double b : xi)
+            for (const double c : xi)
+              for (const bool mixture : {false, true}) {
+                const check::note at("w = ", d.x, " ", d.y, " ", d.z, ", xi = ", a, " ", b, " ", c);
+                const direction m = mixture ? mf::sample_visible_mixture(distribution, d, a, b, c)
+                                            : mf::sample_visible(distribution, d, a, b, c);
+                CHECK(std::abs(std::sqrt(mf::dot(m, m)) - 1) <= 1e-15);
+                CHECK(m.z > 0);
+                CHECK(mf::dot(m, d) >= -1e-14);
+              }
+      const direction down{0, 0, -1};
+      CHECK(std::isnan(mf::sample_visible(distribution, down, 0.5, 0.5, 0.5).z));
+      for (const double bad : {-0.1, 1.0, std::nan("")})
+        CHECK(std::isnan(mf::sample_visible(distribution, w[0], bad, 0.5, 0.5).z));
+    }
+  });
+}
+
+// In any pack, next to any neighbours, a lane has the bits that it has elsewhere.
+TEST(lanes_know_no_neighbours) {
+  std::vector<float> values(257);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = static_cast<float>((static_cast<double>(i) + 0.5) / static_cast<double>(values.size()));
+  const auto check = [&]<template <class> class Family>(auto... parameters) {
+    std::vector<std::vector<std::int32_t>> results;
+    packs::each<float>([&]<class Pack>() {
+      const Family<Pack> family(Pack(static_cast<float>(parameters))...);
+      const mf::isotropic_shape<Pack> shape(mf::twofold<Pack>(Pack(0.5F)));
+      const mf::ndf<Family<Pack>, Pack, mf::isotropic_shape<Pack>> distribution(family, shape);
+      results.push_back(packs::apply<Pack>(values, [&](const Pack& xi) {
+        const Pack z = Pack(2) * xi - Pack(1.02F), x = sqrt(Pack(1) - z * z * Pack(0.95F));
+        return mf::sample_visible(distribution, mf::vec3<Pack>{x, Pack(0.1F), z}, Pack(1) - xi, xi, xi).x;
+      }));
+    });
+    for (const auto& bits : results) CHECK(bits == results.front());
+  };
+  check.operator()<mf::beckmann>();
+  check.operator()<mf::ggx>();
+  check.operator()<mf::k0>();
+  check.operator()<mf::student_t>(2.5);
+  check.operator()<mf::student_t>(3.0);
+}
