@@ -65,7 +65,7 @@ struct normal_sample {
 #define MICROFACET_VISIBLE(TYPE, NAME, FUNCTION)                                                          \
   struct TYPE {                                                                                           \
     static constexpr const char* name = NAME;                                                             \
-    static constexpr unsigned needs = of_survival | of_radius | of_P2 | of_slope_sf | of_slope_excess | of_visible; \
+    static constexpr unsigned needs = of_all | of_visible;                                                \
     static constexpr bool samples_visible = true;                                                         \
     static constexpr layout<6, 3> shape{};                                                                \
     template <class Distribution, class T>                                                                \
@@ -92,13 +92,13 @@ struct bounded_pdf {
 template <class Family>
 concept samples_visible = requires { Family::visible_dimensions; };
 
+// Under one shape for each family: these are long.
 template <class Model>
 bool add_visible_operations(PyObject* space, const char* prefix) {
   using family = typename Model::family;
-  if constexpr (!samples_visible<family>) return true;
-  if constexpr (samples_visible<family>) {
+  if constexpr (samples_visible<family> && family::shape_invariant == (Model::scales == 2)) {
     if (!add_all<Model, true, visible_sample>(space, prefix)) return false;
-    if constexpr (!requires { &family::visible_slopes_of; }) {
+    if constexpr (requires { &family::sf_over_density; }) {
       if (!add_all<Model, true, visible_sample_of_mixture>(space, prefix)) return false;
     }
     if constexpr (requires { &family::bounded_slopes; }) {

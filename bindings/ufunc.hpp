@@ -81,9 +81,20 @@ struct ufunc_loops {
     return make_distribution(make_family<Model>(p), Model::shape(p), p);
   }
 
+  // Samplers that iterate are no chain that a call would interrupt.
+  static constexpr bool long_kernel = requires { Operation::samples_visible; };
+
+  template <class Lanes, class Distribution>
+  static constexpr block_kernel<lane_of<Lanes>> table_kernel() {
+    if constexpr (long_kernel) {
+      return &evaluate_constant<Operation, Lanes, Distribution>;
+    } else {
+      return &evaluate_flat<Operation, Lanes, Distribution>;
+    }
+  }
   template <class Lanes, class Distribution>
   static constexpr block_kernel<lane_of<Lanes>> own_kernel() {
-    if constexpr (Model::family::costly == 0) {
+    if constexpr (Model::family::costly == 0 && !long_kernel) {
       return &evaluate_flat<Operation, Lanes, Distribution>;
     } else {
       return &evaluate_constant<Operation, Lanes, Distribution>;
@@ -138,14 +149,19 @@ struct ufunc_loops {
       numbers[a] = static_cast<double>(*reinterpret_cast<const stored_parameter<T>*>(args[values + a]));
     const auto tables = prepared_tables<Model, Compute>(numbers.data(), Operation::needs);
     if (tables == nullptr) return false;
-    using table_lanes = lanes<Compute, most_registers>;
+    using table_lanes = lanes<Compute, long_kernel ? 1 : most_registers>;
     const auto p = constant_parameters<table_lanes, stored_parameter<T>>(args);
     const auto d =
         make_distribution(table_density<Model, table_lanes>(*tables), Model::shape(p.data()), p.data());
-    in_blocks<Compute, T>(plan, args, steps, n, true, &evaluate_flat<Operation, table_lanes, decltype(d)>,
-                          &d);
+    in_blocks<Compute, T>(plan, args, steps, n, true, table_kernel<table_lanes, decltype(d)>(), &d);
     keep_above<Compute, T>(args, steps, n);
     return true;
+  }
+
+  template <class T>
+  static void fill_with_nan(char* const* args, const npy_intp* steps, npy_intp n) {
+    for (std::size_t a = inputs; a < inputs + outputs; ++a)
+      for (npy_intp i = 0; i < n; ++i) *reinterpret_cast<T*>(args[a] + i * steps[a]) = nan<T>();
   }
 
   // Whether the scales of element i leave float32 room for their squares and the reciprocals of these.
@@ -199,11 +215,17 @@ struct ufunc_loops {
         const bool fits = std::is_same_v<T, double> || fits_float32(args, steps, 0);
         if (fits ? run_prepared<T, T>(args, steps, n) : run_prepared<double, T>(args, steps, n)) return;
       }
+      if constexpr (long_kernel) {  // from tables alone, in float32 if they need it
+        if (constant && run_prepared<double, T>(args, steps, n)) return;
+        return fill_with_nan<T>(args, steps, n);
+      }
     }
-    if constexpr (std::is_same_v<T, float> && Model::family::native_float32) {
-      run_in_float32(args, steps, n, constant);
-    } else {
-      run<double, T>(args, steps, n, constant);
+    if constexpr (!long_kernel || !pays_to_prepare()) {
+      if constexpr (std::is_same_v<T, float> && Model::family::native_float32) {
+        run_in_float32(args, steps, n, constant);
+      } else {
+        run<double, T>(args, steps, n, constant);
+      }
     }
   }
 

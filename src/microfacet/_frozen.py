@@ -90,8 +90,9 @@ class StretchedDistribution(Distribution):
 
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
         x, y, rotation, *shape = self._values
-        # A turn that changes no density changes where a sample lies.
-        if x == y and (rotation == 0.0 or quantity != "sample"):
+        # A turn that changes no density changes where a sample lies; visible normals have kernels of this shape.
+        visible = quantity.startswith(("sample_visible", "pdf_visible"))
+        if x == y and not visible and (rotation == 0.0 or quantity != "sample"):
             return getattr(self.kernels, f"isotropic_{quantity}"), (x, *shape)
         return getattr(self.kernels, f"stretched_{quantity}"), self._values
 

@@ -138,12 +138,12 @@ class Sampling(Quantities):
             self._require_bounded(owner)
             return "sample_visible_bounded"
         # A shape parameter may bring a closed sampler, which has fewer dimensions and no mixture.
-        mixes = hasattr(self.kernels, "isotropic_sample_visible_mixture")
+        mixes = hasattr(self.kernels, "stretched_sample_visible_mixture")
         closed = self.visible_dims < self.kernels.visible_dims
         return "sample_visible_mixture" if scheme == "mixture" and mixes and not closed else "sample_visible"
 
     def _require_bounded(self, owner: str) -> None:
-        if not hasattr(self.kernels, "isotropic_sample_visible_bounded"):
+        if not hasattr(self.kernels, "stretched_sample_visible_bounded"):
             raise ValueError(f"{owner}: bounded=True is for GGX alone")
 
     def pdf_visible(

@@ -24,6 +24,7 @@ class visible_tables {
   table moment_radius;    // t at M(0)/M(t) - 1, M(t) = int_t^inf y P2(y) dy
   table marginal_radius;  // t at 1/P2(t) - 1/P2(0)
   T first_moment{}, inverse_P2{};  // M(0) and 1/P2(0)
+  bool falls = true;               // whether P2 decreases everywhere
 
   // From a family in double precision, scalar or pack. In lanes: visit(x, f, n, function) as in_lanes does.
   template <class Family, class InLanes>
@@ -40,6 +41,9 @@ class visible_tables {
     };
     const double all = number(family.slope_excess(slope<R>(R(0)))), peak = number(P2(R(0)));
     first_moment = static_cast<T>(all), inverse_P2 = static_cast<T>(1 / peak);
+
+    falls = true;
+    for (double t = 1e-3; t < 1e3; t *= 1.2) falls = falls && number(P2(R(t))) >= number(P2(R(1.2 * t)));
 
     // Newton's method on logarithms; what falls by a power falls steeper the farther out.
     const auto by_moment = [&](const R& L) {

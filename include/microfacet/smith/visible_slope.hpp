@@ -37,9 +37,12 @@ class visible_slope_solver {
         sf_start_(family.sf_over_density(start_)),
         excess_(family.excess_over_density(abs(x), select(below_, sf_start_, family.sf_over_density(abs(x))))) {
     const T above = upper(start_, T(0), sf_start_);
-    const T under = either(
-        below_, [&] { return T(0); },
-        [&] { return lower(family_.near(start_, c_, sf_start_), family_.near_moments(start_, c_), start_, c_, sf_start_); });
+    T under(0);
+    if (any(!below_)) {
+      const T all = lower(family_.near(start_, c_, sf_start_), family_.near_moments(start_, c_), start_, c_,
+                          sf_start_);
+      under = select(below_, T(0), all);
+    }
     const T whole = above + under, rest = T(1) - share;
     on_lower_ = select(share > T(0.5), under - rest * whole, share * whole - above) > T(0);
     part_ = select(on_lower_, under, above);
@@ -62,17 +65,16 @@ class visible_slope_solver {
   }
 
  private:
-  // select of two computations, the first of which is the rarer.
-  template <class Rare, class Usual>
-  static T either(const Mask& mask, const Rare& rare, const Usual& usual) {
-    return any(mask) ? select(mask, T(rare()), T(usual())) : T(usual());
+  // `usual` but in the lanes of a mask that seldom has any.
+  template <class Rare>
+  static T unless(const Mask& mask, const T& usual, const Rare& rare) {
+    return any(mask) ? select(mask, T(rare()), usual) : usual;
   }
 
   // Over P2(t), the probability of what lies above t = start + v, and of what lies below -t = d - x.
   T upper(const T& t, const T& v, const T& sf) const {
-    return either(
-        below_, [&] { return T(multiply_add(v, sf, family_.excess_over_density(t, sf))); },
-        [&] { return T(multiply_add(x_, sf, family_.moment_over_density(t, sf))); });
+    return unless(below_, T(multiply_add(x_, sf, family_.moment_over_density(t, sf))),
+                  [&] { return multiply_add(v, sf, family_.excess_over_density(t, sf)); });
   }
   T lower(const Mask& near, const near_integrals<T>& s, const T& t, const T& d, const T& sf) const {
     const T general = (d * sf - family_.excess_over_density(t, sf)) + excess_ * exp(-family_.fall(t, d));
@@ -98,7 +100,7 @@ class visible_slope_solver {
       const T end = x_ - sqrt(T(2) * part_ * exp(family_.fall(T(0), abs(x_)) - depth_));
       return select(end > T(0.5) * x_, end, blend);
     };
-    return either(on_lower_, under, [&] { return above; });
+    return unless(on_lower_, above, under);
   }
 
   T next(const T& v) const {
@@ -110,8 +112,7 @@ class visible_slope_solver {
     const auto near = family_.near(origin, distance, select(on_lower_, sf, sf_start_));
     near_integrals<T> s{T(0), T(0)};
     if (any(near)) s = family_.near_moments(origin, distance);
-    const T N = either(
-        on_lower_, [&] { return lower(near, s, t, d, sf); }, [&] { return upper(t, v, sf); });
+    const T N = unless(on_lower_, upper(t, v, sf), [&] { return lower(near, s, t, d, sf); });
     const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
     const auto small = near & !on_lower_;
     const T r = select(small, T(0), T(depth_ - family_.fall(start_, v))) +
@@ -123,7 +124,7 @@ class visible_slope_solver {
     const T square_change = maximum(newton, T(T(-0.48) * d * d));
     const T step = T(2) * square_change / (sqrt(d * d + T(2) * square_change) + d);
     const auto by_ratio = [&] { return T(d * relative_step(T(newton / (d * d)))); };
-    const T moved = v + either(on_lower_, by_ratio, [&] { return step; });
+    const T moved = v + unless(on_lower_, step, by_ratio);
     return minimum(maximum(moved, T(0)), largest_slope<T>());
   }
   static T log_sum(const T& a, const T& b) {
@@ -159,6 +160,10 @@ T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2)
     return family.across_by_quantile(xi1);
   } else {
     const T valid = where((xi2 >= T(0)) & (xi2 < T(1)), xi2);
+    if constexpr (requires { family.lifts(); }) {
+      if (!family.lifts())
+        return select(valid < T(0.5), T(1), T(-1)) * family.across_by_integral(along, xi1) + (valid - valid);
+    }
     return family.across(along, T(-log1p(-xi1))) *
            elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine;
   }

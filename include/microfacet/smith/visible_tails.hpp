@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 
+#include "microfacet/core/elementary.hpp"
+#include "microfacet/core/gauss.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
 
@@ -70,6 +72,39 @@ class visible_tails {
       mass = mass + part, moment = moment + s * part;
     }
     return {d * mass, d * moment};
+  }
+
+  // Whether P2 is the marginal of a density in three dimensions, as `across` takes for granted.
+  bool lifts() const {
+    if constexpr (requires { family_.visible(); }) {
+      return family_.visible().falls;
+    } else {
+      return true;
+    }
+  }
+  // Otherwise: the slope across by the quantile of its size, |q| = scale tan(angle), from an integral.
+  T across_by_integral(const T& along_argument, const T& xi) const {
+    static const gauss_legendre<24> rule;
+    const T along = abs(along_argument), scale = along + sf_over_density(along);
+    const auto part = [&](const T& angle) {
+      const elementary::circle<T> at = elementary::cos_sin_of_turns(T(angle * T(0.25)));
+      const T cosine = maximum(at.cosine, T(1e-6)), q = scale * at.sine / cosine;
+      return T(family_.P22(twofold<T>(along * along + q * q)) * scale / (cosine * cosine));
+    };
+    const auto integral = [&](const T& angle) {
+      T sum(0);
+      for (std::size_t i = 0; i < rule.nodes; ++i)
+        sum = sum + T(0.5 * rule.weight[i]) * part(T(angle * T(0.5 * (1 + rule.node[i]))));
+      return T(sum * angle);
+    };
+    const T target = xi * integral(T(1));
+    T angle = xi;
+    for (int i = 0; i < 10; ++i) {
+      const T next = angle - (integral(angle) - target) / maximum(part(angle), smallest<T>());
+      angle = maximum(minimum(next, T(T(0.5) + T(0.5) * angle)), T(T(0.5) * angle));
+    }
+    const elementary::circle<T> at = elementary::cos_sin_of_turns(T(angle * T(0.25)));
+    return scale * at.sine / maximum(at.cosine, T(1e-6));
   }
 
   // sqrt(R^2 - along^2) at P2(R) = exp(-depth) P2(along): Newton's method on log P2 in R^2.
