@@ -24,7 +24,16 @@ CONTINUOUS = [
     mf.StudentT(alpha=1.0, gamma=2.5),
     mf.StudentT(alpha=1.0, gamma=20.0),
 ]
-ALL = [*CONTINUOUS, mf.GGX(alpha=1.0), mf.K0(alpha=1.0), mf.StudentT(alpha=1.0, gamma=3.0)]
+ALL = [
+    *CONTINUOUS,
+    mf.GGX(alpha=1.0),
+    mf.K0(alpha=1.0),
+    mf.StudentT(alpha=1.0, gamma=3.0),
+    mf.BesselK(alpha=1.0, a=0.3),
+    mf.BesselK(alpha=1.0, a=1.3),
+    mf.GTR(alpha=0.3, gamma=1.5),
+    mf.GTR(alpha=3.0, gamma=3.0),
+]
 XI = [1e-12, 1e-6, 0.03, 0.3, 0.5, 0.8, 0.97, 1 - 1e-6, 1 - 1e-12]
 HOSTILE = [0.0, 5e-324, 1e-310, 1e-30, 2.0**-53, 0.25, 0.5, 1 - 2.0**-24, 1 - 2.0**-53]
 
@@ -111,6 +120,8 @@ def test_outside_the_domain(ndf: Any) -> None:
 @pytest.mark.parametrize("ndf", ALL, ids=name_of)
 def test_mean_of_a_smooth_function(ndf: Any) -> None:
     """Sample means of two functions are their integrals against D_visible, anisotropic, above and below."""
+    if isinstance(ndf, mf.GTR):
+        pytest.skip("isotropic")
     make = {k: v for k, v in ndf.parameters.items() if k not in ("alpha_x", "alpha_y", "rotation")}
     ndf = type(ndf)(alpha_x=0.1, alpha_y=0.6, rotation=0.3, **make)
     z, weights = np.polynomial.legendre.leggauss(400)
