@@ -60,7 +60,9 @@ template <class Family, class T>
 visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
                                        const T& xi2) {
   const auto from = [&](const auto& tails) -> visible_slopes<T> {
-    const T along = visible_slope(tails, x, T(maximum(xi0, smallest<T>())));
+    T least = smallest<T>();
+    if constexpr (requires { tails.least_share(); }) least = tails.least_share();
+    const T along = visible_slope(tails, x, T(maximum(xi0, least)));
     return {along, slope_across(tails, along, xi1, xi2)};
   };
   if constexpr (requires { family.sf_over_density(x); }) {

@@ -31,6 +31,7 @@ class visible_slope_solver {
   visible_slope_solver(const Family& family, const T& x, const T& share)
       : family_(family),
         x_(x),
+        nothing_(T(0) * (x + share)),
         below_(x <= T(0)),
         start_(select(below_, T(-x), T(0))),
         c_(select(below_, T(0), x)),
@@ -53,15 +54,18 @@ class visible_slope_solver {
 
   T operator()() const {
     T v = first();
-    auto moving = v >= T(0);  // a lane that has converged stays, so that its neighbours do not change it
+    auto moving = v >= T(0);
+    v = select(moving, v, T(0));
+    // A lane that has converged stays, so that its neighbours do not change it; so does one that has left the
+    // range of the family's functions.
     for (int i = 0; i < 16; ++i) {
-      const T moved = select(moving, next(v), v);
+      const T after = next(v), moved = select(moving & (after >= T(0)), after, v);
       // Convergence is cubic, or nearly.
       moving = moving & (abs(moved - v) > T(single ? 3e-3 : 1e-6) * select(on_lower_, minimum(v, T(c_ - v)), v));
       v = moved;
       if (!any(moving)) break;
     }
-    return select(on_lower_, T(-v), T(start_ + v));
+    return select(on_lower_, T(-v), T(start_ + v)) + nothing_;
   }
 
  private:
@@ -138,7 +142,7 @@ class visible_slope_solver {
   }
 
   const Family& family_;
-  T x_;
+  T x_, nothing_;
   Mask below_;
   T start_, c_, sf_start_, excess_;
   Mask on_lower_;

@@ -20,6 +20,8 @@ class visible_tails {
  public:
   explicit visible_tails(const Family& family) : family_(family) {}
 
+  // Smaller probabilities leave the range of P2.
+  static T least_share() { return T(single ? 1e-30 : 1e-250); }
   T sf_over_density(const T& t) const { return family_.slope_sf(slope<T>(off_zero(t))) / density(t); }
   T excess_over_density(const T& t, const T&) const {
     return family_.slope_excess(slope<T>(off_zero(t))) / density(t);
@@ -121,10 +123,11 @@ class visible_tails {
     // In the variable log(R^2 - along^2).
     auto moving = rest >= T(0);
     for (int i = 0; i < 12; ++i) {
-      const T R = sqrt(along * along + rest), value = density(R), r = log(density(along) / value) - depth;
+      const T R = off_zero(sqrt(along * along + rest)), value = density(R), r = log(density(along) / value) - depth;
       const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
       const T change = T(2) * R * r / maximum(T(slope * rest), smallest<T>());
-      rest = select(moving, T(rest * exp(maximum(minimum(T(-change), T(2)), T(-2)))), rest);
+      const T moved = rest * exp(maximum(minimum(T(-change), T(2)), T(-2)));
+      rest = select(moving & (moved >= T(0)), moved, rest);
       moving = moving & (abs(change) > T(single ? 1e-3 : 1e-6));
       if (!any(moving)) break;
     }
