@@ -62,17 +62,17 @@ struct normal_sample {
 };
 
 // Normals that a direction sees.
-#define MICROFACET_VISIBLE(TYPE, NAME, FUNCTION)                                                          \
-  struct TYPE {                                                                                           \
-    static constexpr const char* name = NAME;                                                             \
-    static constexpr unsigned needs = of_all | of_visible;                                                \
-    static constexpr bool samples_visible = true;                                                         \
-    static constexpr layout<6, 3> shape{};                                                                \
-    template <class Distribution, class T>                                                                \
-    MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) {                    \
-      const vec3<T> m = FUNCTION(ndf, vec3<T>{x[0], x[1], x[2]}, x[3], x[4], x[5]);                       \
-      out[0] = m.x, out[1] = m.y, out[2] = m.z;                                                           \
-    }                                                                                                     \
+#define MICROFACET_VISIBLE(TYPE, NAME, FUNCTION)                                       \
+  struct TYPE {                                                                        \
+    static constexpr const char* name = NAME;                                          \
+    static constexpr unsigned needs = of_all | of_visible;                             \
+    static constexpr bool samples_visible = true;                                      \
+    static constexpr layout<6, 3> shape{};                                             \
+    template <class Distribution, class T>                                             \
+    MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) { \
+      const vec3<T> m = FUNCTION(ndf, vec3<T>{x[0], x[1], x[2]}, x[3], x[4], x[5]);    \
+      out[0] = m.x, out[1] = m.y, out[2] = m.z;                                        \
+    }                                                                                  \
   };
 MICROFACET_VISIBLE(visible_sample, "sample_visible", sample_visible)
 MICROFACET_VISIBLE(visible_sample_of_mixture, "sample_visible_mixture", sample_visible_mixture)

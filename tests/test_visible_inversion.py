@@ -1,7 +1,7 @@
-"""Visible normals are the exact quantile of what a direction sees, for hostile uniforms and directions too.
+"""Visible normals are the quantile of what a direction sees, for hostile uniforms and directions too.
 
-In standard space a direction with x = cot(theta) sees slopes P, positive ones leaning towards it, with density
-(x + P)_+ P2(P). The reference integrates that with P2 from arbitrary precision, from P22 alone.
+In standard space a direction with x = cot(theta) sees slopes P, positive ones leaning towards it, with
+density (x + P)_+ P2(P). The reference integrates that with P2 from arbitrary precision, from P22 alone.
 """
 
 from __future__ import annotations
@@ -62,7 +62,9 @@ def seen(ndf: Any, x: mp.mpf, lower: mp.mpf, upper: mp.mpf) -> mp.mpf:
     ends = [mp.asinh(lower), mp.asinh(upper) if upper != mp.inf else mp.mpf(600)]
     inner = [z for z in mp.linspace(-4, 4, 9) if ends[0] < z < ends[1]]
     far = [z for z in (8, 16, 40, 100, 250) if ends[0] < z < ends[1]]
-    return mp.quad(lambda z: (x + mp.sinh(z)) * marginal(ndf, mp.sinh(z)) * mp.cosh(z), [ends[0], *inner, *far, ends[1]])
+    return mp.quad(
+        lambda z: (x + mp.sinh(z)) * marginal(ndf, mp.sinh(z)) * mp.cosh(z), [ends[0], *inner, *far, ends[1]]
+    )
 
 
 @pytest.mark.parametrize("ndf", CONTINUOUS, ids=name_of)
@@ -186,7 +188,7 @@ def test_arrays(ndf: Any) -> None:
 
 
 def test_agrees_with_mitsuba() -> None:
-    """Beckmann: the same normals for the same uniforms. (Mitsuba keeps its first uniform within 1e-6 of 0, 1.)"""
+    """Beckmann: the same normals for the same uniforms."""
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
     theirs = mi.MicrofacetDistribution(mi.MicrofacetType.Beckmann, 0.3, 0.5, True)

@@ -50,7 +50,8 @@ albedos integrated(const Distribution& ndf, const direction& wi) {
   constexpr double reach = 18;
   albedos sum;
   for (int i = 0; i < radii; ++i) {
-    const double s = reach * (i + 0.5) / radii, r = 1e-5 * std::sinh(s), dr = 1e-5 * std::cosh(s) * reach / radii;
+    const double s = reach * (i + 0.5) / radii, r = 1e-5 * std::sinh(s),
+                 dr = 1e-5 * std::cosh(s) * reach / radii;
     for (int j = 0; j < azimuths; ++j) {
       const double phi = 2 * mf::pi * (j + 0.5) / azimuths, z = 1 / std::sqrt(1 + r * r);
       const direction m{r * z * std::cos(phi), r * z * std::sin(phi), z}, wo = reflect(wi, m);

@@ -90,7 +90,7 @@ class StretchedDistribution(Distribution):
 
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
         x, y, rotation, *shape = self._values
-        # A turn that changes no density changes where a sample lies; visible normals have kernels of this shape.
+        # A turn that changes no density changes where a sample lies; visible normals have this kernel alone.
         visible = quantity.startswith(("sample_visible", "pdf_visible"))
         if x == y and not visible and (rotation == 0.0 or quantity != "sample"):
             return getattr(self.kernels, f"isotropic_{quantity}"), (x, *shape)

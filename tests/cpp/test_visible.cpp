@@ -35,8 +35,8 @@ template <class Family>
 std::array<double, 2> seen(const Family& family, double x, double P) {
   const double t = std::abs(P), sf = family.slope_sf(mf::slope<double>(t)),
                excess = family.slope_excess(mf::slope<double>(t)),
-               below = family.slope_excess(mf::slope<double>(std::abs(x))),
-               all = std::max(x, 0.0) + below, density = (x + P) * family.P2(mf::slope<double>(t)) / all;
+               below = family.slope_excess(mf::slope<double>(std::abs(x))), all = std::max(x, 0.0) + below,
+               density = (x + P) * family.P2(mf::slope<double>(t)) / all;
   if (P >= 0) return {((x + P) * sf + excess) / all, density};
   return {1 - ((x - t) * sf - excess + below) / all, density};
 }
@@ -67,7 +67,8 @@ TEST(slope_in_the_plane_is_the_quantile) {
         CHECK(P >= -x);
         // The reference subtracts near the ends, and P - |x| carries the rounding of x.
         const double rounding = 1e-15 / std::min(1.0, std::max(x, 1e-3)) + 1e-13;
-        CHECK(std::abs(above - xi) <= 1e-11 * std::min(xi, 1 - xi) + rounding * xi + 4 * spacing(P) * density);
+        CHECK(std::abs(above - xi) <=
+              1e-11 * std::min(xi, 1 - xi) + rounding * xi + 4 * spacing(P) * density);
       }
     }
   };
@@ -88,7 +89,8 @@ TEST(slope_across_the_plane_is_conditional) {
     if constexpr (solved<std::decay_t<decltype(family)>>) {
       for (const double x : {2.0, 0.1, -0.5}) {
         // The distribution function at q is the mean over xi1 of arccos(q/rest)/pi.
-        const double P = mf::detail::solve_visible_slopes(family, x, 0.4, 0.5, 0.5).along, q = 0.7 * (1 + std::abs(P));
+        const double P = mf::detail::solve_visible_slopes(family, x, 0.4, 0.5, 0.5).along,
+                     q = 0.7 * (1 + std::abs(P));
         constexpr int steps = 400;
         double below = 0, mass = 0;
         for (int i = 0; i < steps; ++i) {
@@ -100,7 +102,8 @@ TEST(slope_across_the_plane_is_conditional) {
         constexpr int nodes = 4000;
         for (int i = 0; i <= nodes; ++i) {
           const double y = q * i / nodes;
-          mass += (i == 0 || i == nodes ? 0.5 : 1.0) * family.P22(mf::twofold<double>(P * P + y * y)) * q / nodes;
+          mass +=
+              (i == 0 || i == nodes ? 0.5 : 1.0) * family.P22(mf::twofold<double>(P * P + y * y)) * q / nodes;
         }
         const double expected = 0.5 - mass / family.P2(mf::slope<double>(std::abs(P)));
         if constexpr (!independent<std::decay_t<decltype(family)>>) CHECK(std::abs(below - expected) < 1e-3);

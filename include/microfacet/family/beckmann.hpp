@@ -84,9 +84,7 @@ class beckmann {
   }
   // The slope across the plane of incidence is independent of that in it.
   static constexpr int visible_dimensions = 2;
-  T across_by_quantile(const T& xi) const {
-    return erfc_inverse_of_half(maximum(xi, smallest<T>()));
-  }
+  T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
 
  private:
   // exp(-x^2) is zero there, but its quotients tend to 1/(2t) and 1/(4t^2).

@@ -143,7 +143,8 @@ class k0 {
     const T X = abs(x), c = select(up, x, T(0)), below = slope_excess(slope<T>(X));
     const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
     const auto first = xi0 <= share;
-    const T V = select(first, T(xi0 / maximum(share, smallest<T>())), T((T(1) - xi0) / maximum(other, smallest<T>())));
+    const T V = select(first, T(xi0 / maximum(share, smallest<T>())),
+                       T((T(1) - xi0) / maximum(other, smallest<T>())));
     const T length = T(0.5) * excess_quantile(maximum(V, smallest<T>()));
 
     const T e = T(-0.5) * log1p(-xi1), leaning = X + length;
@@ -171,8 +172,7 @@ class k0 {
   // g with (1 + g) exp(-g) = V: a branch of Lambert's W. Two steps of Halley's method on g - log(1 + g).
   static T excess_quantile(const T& V) {
     const T L = -log(V), one = T(1) + L;
-    T g = select(L > T(2), T(L + log(one + log(one + log(T(1) + one)))),
-                 T(sqrt(T(2) * L) + T(2.0 / 3) * L));
+    T g = select(L > T(2), T(L + log(one + log(one + log(T(1) + one)))), T(sqrt(T(2) * L) + T(2.0 / 3) * L));
     for (int i = 0; i < 2; ++i) {
       const T r = less_log1p(g) - L, more = T(1) + g;
       g = g - T(2) * r * g * more / maximum(T(T(2) * g * g - r), smallest<T>());

@@ -22,7 +22,7 @@ class spherical_cap {
     const T larger = T(1) + abs(wz_), smaller = wx_ * wx_ / larger;
     const auto up = x > T(0);
     const T plus = select(up, larger, smaller), minus = select(up, smaller, larger);  // 1 + wz, 1 - wz
-    const T bounded = plus - (T(1) - k) * wz_;  // 1 + k wz
+    const T bounded = plus - (T(1) - k) * wz_;                                        // 1 + k wz
     h_ = maximum(T(share * bounded + (T(1) - k) * wz_), T(1e-18));
     sine_ = sqrt(rest * bounded * (h_ + minus));
   }

@@ -132,9 +132,9 @@ vec3<T> sample_visible(const ndf<Family, T, Shape>& distribution, const vec3<T>&
   return detail::normal_of_visible(distribution.shape(), seen, slopes);
 }
 
-// The cheaper way where there are two: with the probability of the area that w sees from below, xi0 small, the
-// slope is one that the mirrored w from below sees, else one of all slopes, turned towards w where w sees too
-// little of it. max(0, x + P) + max(0, x - P) = 2 max(x, 0) + max(0, |P| - |x|). Three uniforms.
+// The cheaper way where there are two: with the probability of the area that w sees from below, xi0 small,
+// the slope is one that the mirrored w from below sees, else one of all slopes, turned towards w where w sees
+// too little of it. max(0, x + P) + max(0, x - P) = 2 max(x, 0) + max(0, |P| - |x|). Three uniforms.
 template <class Family, class T, class Shape>
 vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
                                const T& xi1, const T& xi2) {
@@ -144,8 +144,8 @@ vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const 
     const T u = detail::uniform(xi0), v = detail::uniform(xi1), last = detail::uniform(xi2);
     const auto slopes = [&] { return detail::mix_visible_slopes(family, seen.x, u, v, last); };
     if constexpr (requires { family.closed_slopes(seen.x, u, v); }) {
-      const visible_slopes<T> s = choose(
-          family.has_closed_slopes(), [&] { return family.closed_slopes(seen.x, u, v); }, slopes);
+      const visible_slopes<T> s =
+          choose(family.has_closed_slopes(), [&] { return family.closed_slopes(seen.x, u, v); }, slopes);
       return detail::normal_of_visible(distribution.shape(), seen, s);
     } else {
       return detail::normal_of_visible(distribution.shape(), seen, slopes());

@@ -36,12 +36,13 @@ class visible_slope_solver {
         start_(select(below_, T(-x), T(0))),
         c_(select(below_, T(0), x)),
         sf_start_(family.sf_over_density(start_)),
-        excess_(family.excess_over_density(abs(x), select(below_, sf_start_, family.sf_over_density(abs(x))))) {
+        excess_(
+            family.excess_over_density(abs(x), select(below_, sf_start_, family.sf_over_density(abs(x))))) {
     const T above = upper(start_, T(0), sf_start_);
     T under(0);
     if (any(!below_)) {
-      const T all = lower(family_.near(start_, c_, sf_start_), family_.near_moments(start_, c_), start_, c_,
-                          sf_start_);
+      const T all =
+          lower(family_.near(start_, c_, sf_start_), family_.near_moments(start_, c_), start_, c_, sf_start_);
       under = select(below_, T(0), all);
     }
     const T whole = above + under, rest = T(1) - share;
@@ -61,7 +62,8 @@ class visible_slope_solver {
     for (int i = 0; i < 16; ++i) {
       const T after = next(v), moved = select(moving & (after >= T(0)), after, v);
       // Convergence is cubic, or nearly.
-      moving = moving & (abs(moved - v) > T(single ? 3e-3 : 1e-6) * select(on_lower_, minimum(v, T(c_ - v)), v));
+      moving =
+          moving & (abs(moved - v) > T(single ? 3e-3 : 1e-6) * select(on_lower_, minimum(v, T(c_ - v)), v));
       v = moved;
       if (!any(moving)) break;
     }
@@ -168,8 +170,7 @@ T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2)
       if (!family.lifts())
         return select(valid < T(0.5), T(1), T(-1)) * family.across_by_integral(along, xi1) + (valid - valid);
     }
-    return family.across(along, T(-log1p(-xi1))) *
-           elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine;
+    return family.across(along, T(-log1p(-xi1))) * elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine;
   }
 }
 

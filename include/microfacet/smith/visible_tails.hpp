@@ -123,7 +123,8 @@ class visible_tails {
     // In the variable log(R^2 - along^2).
     auto moving = rest >= T(0);
     for (int i = 0; i < 12; ++i) {
-      const T R = off_zero(sqrt(along * along + rest)), value = density(R), r = log(density(along) / value) - depth;
+      const T R = off_zero(sqrt(along * along + rest)), value = density(R),
+              r = log(density(along) / value) - depth;
       const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
       const T change = T(2) * R * r / maximum(T(slope * rest), smallest<T>());
       const T moved = rest * exp(maximum(minimum(T(-change), T(2)), T(-2)));

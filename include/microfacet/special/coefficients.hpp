@@ -41,20 +41,6 @@ inline constexpr std::array<double, 12> ierfc_denominator_64{
     1.2220573299686923, 0.359454797055033, 0.0781914840077667, 0.01208596210799821, 0.0012101780992758993,
     6.080867467680682e-05};
 
-// t^2/l, erfc(t)/2 = v, l = -log(4v(1 - v)), t <= 9.3: relative error 1.2e-7
-inline constexpr std::array<float, 6> erfc_inverse_numerator_32{
-    0.785398274F, 0.257501115F, 0.0507263424F, 0.006800833F, 0.000496350888F, 5.7628098e-06F};
-
-inline constexpr std::array<float, 6> erfc_inverse_denominator_32{
-    1.0F, 0.304265399F, 0.0579245247F, 0.00761482894F, 0.000512149885F, 5.77064595e-06F};
-
-// the same, t <= 26.5: relative error 1.5e-6, to be refined
-inline constexpr std::array<double, 6> erfc_inverse_numerator_64{
-    0.7853960632053015, 0.17202259478767737, 0.031197271934033658, 0.002571396318907277, 2.0777139340243707e-05, 4.182310628602378e-09};
-
-inline constexpr std::array<double, 6> erfc_inverse_denominator_64{
-    1.0, 0.1953918178258298, 0.03571056541953388, 0.00263229116634539, 2.080875356284761e-05, 4.177000853585996e-09};
-
 // 2 K_0(2y) = l A(y^2) + y^2 B(y^2), l = -gamma - log(y), y <= 9/16: relative error 3.8e-9
 inline constexpr std::array<float, 4> k0_near_log_32{
     2.0F, 1.9999764F, 0.4981666F, 0.04536054F};

@@ -9,6 +9,7 @@
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
 #include "microfacet/special/coefficients.hpp"
+#include "microfacet/special/erfc_inverse_coefficients.hpp"
 
 namespace microfacet {
 
