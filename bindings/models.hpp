@@ -111,4 +111,36 @@ auto table_density(const Tables& tables) {
   }
 }
 
+template <class Model, class Lanes>
+MICROFACET_INLINE auto own_distribution(const twofold<Lanes>* p) {
+  return make_distribution(make_family<Model>(p), Model::shape(p), p);
+}
+
+// Parameters that are the same for all elements, with all digits of what is stored. What is made of them does
+// not depend on the operation, and is compiled once.
+template <class Model>
+using parameter_values = std::array<double, Model::count>;
+
+template <class Model, class Lanes>
+std::array<twofold<Lanes>, Model::count> in_all_lanes(const parameter_values<Model>& numbers) {
+  const auto lanes_of = [](double number) {
+    const auto high = static_cast<lane_of<Lanes>>(number);
+    return twofold<Lanes>(Lanes(high),
+                          Lanes(static_cast<lane_of<Lanes>>(number - static_cast<double>(high))));
+  };
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<twofold<Lanes>, Model::count>{lanes_of(numbers[I])...};
+  }(std::make_index_sequence<Model::count>());
+}
+template <class Model, class Lanes>
+[[gnu::noinline]] auto constant_distribution(const parameter_values<Model>& numbers) {
+  const auto p = in_all_lanes<Model, Lanes>(numbers);
+  return own_distribution<Model>(p.data());
+}
+template <class Model, class Lanes, class Tables>
+[[gnu::noinline]] auto prepared_distribution(const Tables& tables, const parameter_values<Model>& numbers) {
+  const auto p = in_all_lanes<Model, Lanes>(numbers);
+  return make_distribution(table_density<Model, Lanes>(tables), Model::shape(p.data()), p.data());
+}
+
 }  // namespace microfacet::bindings

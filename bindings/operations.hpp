@@ -118,14 +118,19 @@ bool add_direction_operations(PyObject* space, const char* prefix) {
 
 template <class Tag>
 bool add_operations(PyObject* space) {
-  const bool isotropic = add_all<isotropic_model<Tag>, false, D_of_cosine, P22_of_slopes, P2_of_slope,
-                                 cdf_of_slope, sigma_of_cosine, Lambda_of_cosine, G1_of_cosine,
-                                 survival_of_slope, slope_sample, cosine_sample>(space, "") &&
-                         add_direction_operations<isotropic_model<Tag>>(space, "isotropic_");
-  if constexpr (isotropic_model<Tag>::family::shape_invariant) {
-    return isotropic && add_direction_operations<stretched_model<Tag>>(space, "stretched_");
+  using family = typename isotropic_model<Tag>::family;
+  if (!add_all<isotropic_model<Tag>, false, D_of_cosine, P22_of_slopes, P2_of_slope, cdf_of_slope,
+               sigma_of_cosine, Lambda_of_cosine, G1_of_cosine, survival_of_slope, slope_sample,
+               cosine_sample>(space, ""))
+    return false;
+  // Where a value is costly, what a stretch costs besides is not worth kernels without it.
+  if constexpr (family::costly == 0 || !family::shape_invariant) {
+    if (!add_direction_operations<isotropic_model<Tag>>(space, "isotropic_")) return false;
   }
-  return isotropic;
+  if constexpr (family::shape_invariant) {
+    return add_direction_operations<stretched_model<Tag>>(space, "stretched_");
+  }
+  return true;
 }
 
 }  // namespace microfacet::bindings

@@ -66,27 +66,21 @@ struct ufunc_loops {
       return parameter_lanes<Lanes>{parameter(I)...};
     }(std::make_index_sequence<Model::count>());
   }
-  // Parameters that are the same for all elements, with all digits of what is stored.
-  template <class Lanes, class Stored>
-  static parameter_lanes<Lanes> constant_parameters(char* const* args) {
-    using Compute = lane_of<Lanes>;
-    return parameters<Lanes>([&](std::size_t a) {
-      const Stored value = *reinterpret_cast<const Stored*>(args[values + a]);
-      const Compute high = static_cast<Compute>(value);
-      return twofold<Lanes>(Lanes(high), Lanes(static_cast<Compute>(value - high)));
-    });
-  }
-  template <class Lanes>
-  MICROFACET_INLINE static auto own_distribution(const twofold<Lanes>* p) {
-    return make_distribution(make_family<Model>(p), Model::shape(p), p);
+  template <class T>
+  static parameter_values<Model> constant_parameters(char* const* args) {
+    parameter_values<Model> numbers;
+    for (std::size_t a = 0; a < Model::count; ++a)
+      numbers[a] = static_cast<double>(*reinterpret_cast<const stored_parameter<T>*>(args[values + a]));
+    return numbers;
   }
 
-  // Samplers that iterate are no chain that a call would interrupt.
+  // Neither samplers that iterate nor tables that are searched are a chain that a call would interrupt.
   static constexpr bool long_kernel = requires { Operation::samples_visible; };
+  static constexpr bool searches = requires { typename Model::tag::template table_density<lanes<float>>; };
 
   template <class Lanes, class Distribution>
   static constexpr block_kernel<lane_of<Lanes>> table_kernel() {
-    if constexpr (long_kernel) {
+    if constexpr (long_kernel || searches) {
       return &evaluate_constant<Operation, Lanes, Distribution>;
     } else {
       return &evaluate_flat<Operation, Lanes, Distribution>;
@@ -106,7 +100,7 @@ struct ufunc_loops {
     for (npy_intp i = 0; i < n; i += width<Lanes>) {
       const auto p =
           parameters<Lanes>([&](std::size_t a) { return twofold<Lanes>(load<Lanes>(in[values + a] + i)); });
-      evaluate<Operation, Lanes>(own_distribution(p.data()), in, out, i);
+      evaluate<Operation, Lanes>(own_distribution<Model>(p.data()), in, out, i);
     }
   }
 
@@ -130,8 +124,7 @@ struct ufunc_loops {
   template <class Compute, class T>
   static void run(char* const* args, const npy_intp* steps, npy_intp n, bool constant) {
     if (constant) {
-      const auto p = constant_parameters<lanes<Compute>, stored_parameter<T>>(args);
-      const auto d = own_distribution(p.data());
+      const auto d = constant_distribution<Model, lanes<Compute>>(constant_parameters<T>(args));
       in_blocks<Compute, T>(plan, args, steps, n, true, own_kernel<lanes<Compute>, decltype(d)>(), &d);
       keep_above<Compute, T>(args, steps, n);
     } else if constexpr (WideParameters) {
@@ -144,15 +137,11 @@ struct ufunc_loops {
 
   template <class Compute, class T>
   static bool run_prepared(char* const* args, const npy_intp* steps, npy_intp n) {
-    std::array<double, Model::count> numbers;
-    for (std::size_t a = 0; a < Model::count; ++a)
-      numbers[a] = static_cast<double>(*reinterpret_cast<const stored_parameter<T>*>(args[values + a]));
+    const parameter_values<Model> numbers = constant_parameters<T>(args);
     const auto tables = prepared_tables<Model, Compute>(numbers.data(), Operation::needs);
     if (tables == nullptr) return false;
-    using table_lanes = lanes<Compute, long_kernel ? 1 : most_registers>;
-    const auto p = constant_parameters<table_lanes, stored_parameter<T>>(args);
-    const auto d =
-        make_distribution(table_density<Model, table_lanes>(*tables), Model::shape(p.data()), p.data());
+    using table_lanes = lanes<Compute, long_kernel || searches ? 1 : most_registers>;
+    const auto d = prepared_distribution<Model, table_lanes>(*tables, numbers);
     in_blocks<Compute, T>(plan, args, steps, n, true, table_kernel<table_lanes, decltype(d)>(), &d);
     keep_above<Compute, T>(args, steps, n);
     return true;

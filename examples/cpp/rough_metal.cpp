@@ -81,7 +81,7 @@ template <class Family>
 void show_prepared(const char* name, const Family& family, double alpha) {
   static mf::radial_tables<double> tables;
   tables.build(family, mf::of_all | mf::of_visible);
-  show(name, mf::prepared<Family, double>(tables), alpha);
+  show(name, mf::prepared<double>(tables), alpha);
 }
 
 }  // namespace

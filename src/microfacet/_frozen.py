@@ -90,10 +90,10 @@ class StretchedDistribution(Distribution):
 
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
         x, y, rotation, *shape = self._values
-        # A turn that changes no density changes where a sample lies; visible normals have this kernel alone.
-        visible = quantity.startswith(("sample_visible", "pdf_visible"))
-        if x == y and not visible and (rotation == 0.0 or quantity != "sample"):
-            return getattr(self.kernels, f"isotropic_{quantity}"), (x, *shape)
+        isotropic = getattr(self.kernels, f"isotropic_{quantity}", None)
+        # A turn that changes no density changes where a sample lies.
+        if isotropic is not None and x == y and (rotation == 0.0 or quantity != "sample"):
+            return isotropic, (x, *shape)
         return getattr(self.kernels, f"stretched_{quantity}"), self._values
 
     # A family with a shape parameter has a constructor of its own.

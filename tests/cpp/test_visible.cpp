@@ -76,7 +76,7 @@ TEST(slope_in_the_plane_is_the_quantile) {
     if constexpr (Family::costly == mf::of_all || Family::costly == (mf::of_all & ~mf::of_P22)) {
       static mf::radial_tables<double> tables;
       tables.build(family, mf::of_all | mf::of_visible);
-      if (tables.good(mf::of_all)) one(mf::prepared<Family, double>(tables), family);
+      if (tables.good(mf::of_all)) one(mf::prepared<double>(tables), family);
     } else if constexpr (has_tails<Family>) {
       one(family, family);
     }

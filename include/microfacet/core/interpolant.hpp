@@ -44,10 +44,27 @@ struct fit_precision<double> {
   static constexpr double rounding = 3e-16, grid = 0x1p40;
 };
 
+// Any function that stores f(exp(L[i])) for i < n: a table is fitted by one piece of code, whatever is
+// sampled.
+class sampled_function {
+ public:
+  template <class Function>
+    requires(!std::is_same_v<Function, sampled_function>)
+  sampled_function(const Function& function)
+      : function_(&function), call_([](const void* f, const double* L, double* values, std::size_t n) {
+          (*static_cast<const Function*>(f))(L, values, n);
+        }) {}
+  void operator()(const double* L, double* values, std::size_t n) const { call_(function_, L, values, n); }
+
+ private:
+  const void* function_;
+  void (*call_)(const void*, const double*, double*, std::size_t);
+};
+
 // The last L on the way from one to another up to which inside(L, f) holds, if it does at `from`: by
 // sections, all points of one at a time.
-template <class Sample, class Inside>
-double reach(const Sample& sample, double from, double to, const Inside& inside) {
+template <class Inside>
+double reach(const sampled_function& sample, double from, double to, const Inside& inside) {
   constexpr std::size_t points = 16;
   for (int round = 0; round < 4; ++round) {
     std::array<double, points> at, f;
@@ -80,8 +97,7 @@ struct interpolant {
     return (size > central ? limits::far_error : limits::error) + limits::rounding * (size + std::abs(swing));
   }
 
-  template <class Sample>
-  static interpolant fit(const Sample& sample, double a, double b, double central) {
+  static interpolant fit(const sampled_function& sample, double a, double b, double central) {
     interpolant p;
     p.centre = on_grid(0.5 * (a + b));
     p.half = p.centre - a;

@@ -25,8 +25,8 @@ struct fit_range {
   bool roots = false;
 };
 
-// sample(L, f, n) stores f(exp(L[i])) for i < n <= 32.
-template <class Table, class Sample>
+// `sample` outlives the fit.
+template <class Table>
 class piecewise_fit {
   using T = typename Table::real;
   using bits_type = typename Table::bits_type;
@@ -35,7 +35,7 @@ class piecewise_fit {
   static constexpr double tolerated = 6;  // excess, which may be rounding, of a piece of one cell
 
  public:
-  piecewise_fit(const Sample& sample, const fit_range& range) : sample_(sample), range_(range) {}
+  piecewise_fit(const sampled_function& sample, const fit_range& range) : sample_(sample), range_(range) {}
 
   // What does not reach the precision wanted with the pieces there are has an infinite error.
   Table operator()() {
@@ -186,7 +186,7 @@ class piecewise_fit {
     }
   }
 
-  const Sample& sample_;
+  sampled_function sample_;
   fit_range range_;
   Table table_;
   polynomial met_;

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "microfacet/core/interpolant.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/piecewise_searched.hpp"
 
@@ -30,7 +31,7 @@ struct many_range {
   double lower, first_end, upper, at_zero, least;
 };
 
-template <class T, class Sample>
+template <class T>
 class many_pieces_fit {
   using Table = many_pieces<T>;
   static constexpr std::size_t nodes = Table::terms + 1;
@@ -41,7 +42,7 @@ class many_pieces_fit {
   static constexpr double narrowest = 256 / grid + 1e-7;
 
  public:
-  many_pieces_fit(const Sample& sample, const many_range& range) : sample_(sample), range_(range) {}
+  many_pieces_fit(const sampled_function& sample, const many_range& range) : sample_(sample), range_(range) {}
 
   Table operator()() {
     const double end = reach(range_.upper, [this](double f) { return f >= range_.least; });
@@ -110,7 +111,7 @@ class many_pieces_fit {
     p.half = std::max(p.centre - a, b - p.centre);
     std::array<double, nodes> at, f, t;
     for (std::size_t j = 0; j < nodes; ++j) at[j] = p.centre + p.half * wave(2 * j + 1);
-    sample_(at.data(), f.data(), static_cast<int>(nodes));
+    sample_(at.data(), f.data(), nodes);
     // A node may lie beyond the end by the rounding of the centre.
     for (std::size_t j = 1; j < nodes; ++j) f[j] = f[j] > 0 ? f[j] : f[j - 1];
     p.reference = f[nodes / 2];
@@ -190,7 +191,7 @@ class many_pieces_fit {
     }
   }
 
-  const Sample& sample_;
+  sampled_function sample_;
   many_range range_;
   Table table_;
   std::array<interpolant, Table::pieces> pieces_;

@@ -164,7 +164,7 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
     const auto sample = [&](const double* L, double* f, std::size_t n) {
       detail::in_lanes<R>(L, f, n, function);
     };
-    t = piecewise_fit<table, decltype(sample)>(sample, range)();
+    t = piecewise_fit<table>(sample, range)();
   };
   const auto at_zero = [](const R& value) { return detail::first_lane(value); };
   const R zero(0);
@@ -188,7 +188,7 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
     fill(slope_excess, [&](const R& L) { return samples.slope_excess(L); },
          {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
   if (functions & of_visible)
-    visible.build(family, [](const double* L, double* f, int n, const auto& function) {
+    visible.build(family, [](const double* L, double* f, std::size_t n, const auto& function) {
       detail::in_lanes<R>(L, f, n, function);
     });
 }

@@ -31,10 +31,10 @@ class sampled : detail::sampled_panels {
   static constexpr bool shape_invariant = true;
 
   // The survival function above(L, f, n), if `known`, need not be integrated.
-  template <class Density, class Above>
-  sampled(const Density& density, double lower, double upper, double at_zero, bool known, const Above& above)
+  sampled(const sampled_function& density, double lower, double upper, double at_zero, bool known,
+          const sampled_function& above)
       : sampled_panels(density, lower, upper, at_zero), known_(known) {
-    if (known) survival_ = many_pieces_fit<double, Above>(above, {lower, lower, upper, 1, 1e-300})();
+    if (known) survival_ = many_pieces_fit<double>(above, {lower, lower, upper, 1, 1e-300})();
   }
 
   double norm() const { return norm_; }  // the integral over the plane; inf or nan where there is none

@@ -20,9 +20,8 @@ class sampled_panels {
   using table = many_pieces<double>;
   // density(L, f, n) stores P22 (up to a factor) at slopes exp(L[i]) in [lower, upper]; beyond both it is a
   // power.
-  template <class Density>
-  sampled_panels(const Density& density, double lower, double upper, double at_zero)
-      : P22_(many_pieces_fit<double, Density>(density, {lower, lower, upper, at_zero, 1e-300})()) {
+  sampled_panels(const sampled_function& density, double lower, double upper, double at_zero)
+      : P22_(many_pieces_fit<double>(density, {lower, lower, upper, at_zero, 1e-300})()) {
     // The last piece is the power beyond the end, or nothing.
     const auto pieces =
         static_cast<std::size_t>(std::find(P22_.start.begin(), P22_.start.end(), inf) - P22_.start.begin());

@@ -80,10 +80,10 @@ void sampled_tables<T>::build(const Family& family) {
   constexpr double least = single ? -87 : -700, slope_end = single ? 46 : 60, square_end = 2 * slope_end;
   constexpr double tiny = std::numeric_limits<T>::min();
   const auto fill = [](table& t, const auto& function, const many_range& range) {
-    const auto sample = [&](const double* L, double* f, int n) {
-      for (int i = 0; i < n; ++i) f[i] = function(L[i]);
+    const auto sample = [&](const double* L, double* f, std::size_t n) {
+      for (std::size_t i = 0; i < n; ++i) f[i] = function(L[i]);
     };
-    t = many_pieces_fit<T, decltype(sample)>(sample, range)();
+    t = many_pieces_fit<T>(sample, range)();
   };
   const auto square_of = [](double L) {
     const double r = std::exp(0.5 * L);

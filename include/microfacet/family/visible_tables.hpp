@@ -87,8 +87,8 @@ class visible_tables {
     falls = true;
     for (double t = 1e-3; t < 1e3; t *= 1.2) falls = falls && samples.at(t) >= samples.at(1.2 * t);
     const auto fill = [&](table& t, const auto& function, double lower) {
-      const auto sample = [&](const double* L, double* f, int n) { in_lanes(L, f, n, function); };
-      t = piecewise_fit<table, decltype(sample)>(sample, {lower, 60, lower + 2, 0, 1e-30, 50.0})();
+      const auto sample = [&](const double* L, double* f, std::size_t n) { in_lanes(L, f, n, function); };
+      t = piecewise_fit<table>(sample, {lower, 60, lower + 2, 0, 1e-30, 50.0})();
     };
     fill(moment_radius, [&](const R& L) { return samples.moment_radius(L); }, -1);
     const double peak = samples.inverse_peak(), least = peak > 1e-290 ? 0.02 * peak : 1 / samples.at(1e-8);
