@@ -139,6 +139,7 @@ def public_functions() -> dict[str, Callable[[], Any]]:
     calls: dict[str, Callable[[], Any]] = {
         "families": mf.families,
         "sample_terrain": mf.sample_terrain,
+        "testing": lambda: mf.testing.sidak(0.01, 2),
         "fit": lambda: mf.fit(slopes, families=["beckmann"]),
     }
     for family in mf.families():

@@ -29,6 +29,7 @@ from microfacet._family.student_t import StudentT
 from microfacet._radial import RadialNDF
 
 if TYPE_CHECKING:
+    from microfacet import testing
     from microfacet._fit import FitResult, fit
     from microfacet._surface import Surface, SurfaceError, read_surface, sample_terrain
 
@@ -56,6 +57,7 @@ __all__ = [
     "read_surface",
     "sample_terrain",
     "student_t",
+    "testing",
 ]
 
 __version__: str
@@ -85,6 +87,8 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         globals()[name] = _version()
         return globals()[name]
+    if name == "testing":
+        return import_module("microfacet.testing")
     if name in _LAZY:
         value = globals()[name] = getattr(import_module(_LAZY[name]), name)
         return value

@@ -1,0 +1,341 @@
+"""The tests of samplers are right themselves: they pass what is correct and fail what is not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import stats
+
+import microfacet as mf
+from microfacet.testing import chi2, ks_visible_slope, sidak, visible_slope_cdf
+from microfacet.testing._cells import Cells, angles
+from microfacet.testing._quadrature import integrate
+
+Array = NDArray[np.float64]
+QUICK: dict[str, Any] = {"n": 100_000, "resolution": (16, 16)}
+
+
+def towards(degrees: float, azimuth: float = 0.0) -> Array:
+    theta, phi = np.radians(degrees), np.radians(azimuth)
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+def caps(w: Array, alpha: float) -> Callable[[Array], Array]:
+    """Visible normals of GGX by spherical caps (dupuy2023sampling), without the library."""
+    stretched = w * [alpha, alpha, 1.0]
+    stretched /= np.linalg.norm(stretched)
+
+    def sample(xi: Array) -> Array:
+        z = (1.0 - xi[:, 0]) * (1.0 + stretched[2]) - stretched[2]
+        s, phi = np.sqrt((1.0 - z) * (1.0 + z)), 2.0 * np.pi * xi[:, 1]
+        m = np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=-1) + stretched
+        m *= [alpha, alpha, 1.0]
+        return np.asarray(m / np.linalg.norm(m, axis=-1, keepdims=True))
+
+    return sample
+
+
+def cosine(xi: Array) -> Array:
+    s, phi = np.sqrt(xi[:, 0]), 2.0 * np.pi * xi[:, 1]
+    return np.stack([s * np.cos(phi), s * np.sin(phi), np.sqrt(1.0 - s**2)], axis=-1)
+
+
+def lambert(m: Array) -> Array:
+    return np.asarray(m[..., 2] / np.pi)
+
+
+# What is correct passes
+
+
+@pytest.mark.parametrize("alpha", [1e-3, 0.01, 0.3, 3.0])
+@pytest.mark.parametrize("degrees", [0, 60, 89.9, 95, 170])
+def test_a_correct_sampler_passes(alpha: float, degrees: float) -> None:
+    ndf, w = mf.GGX(alpha=alpha), towards(degrees, 40)
+    result = chi2(caps(w, alpha), lambda m: ndf.D_visible(m, w), **QUICK, tests=20)
+    assert result, result
+    assert abs(result.mass - 1.0) < 1e-4
+    assert result.expected.sum() == pytest.approx(result.n * result.mass)
+    assert result.histogram.sum() == result.n == 100_000
+    slopes = ks_visible_slope(ndf, w, sampler=caps(w, alpha), dims=2, n=100_000, tests=20)
+    assert slopes, slopes
+
+
+@pytest.mark.parametrize(
+    "ndf",
+    [
+        mf.K0(alpha=0.01),
+        mf.BesselK(alpha=0.5, a=0.3),
+        mf.BesselK(alpha=0.5, a=0.05),
+        mf.GTR(alpha=0.01, gamma=0.5),
+        mf.StudentT(alpha=3.0, gamma=1.55),
+        mf.Beckmann(alpha_x=0.02, alpha_y=0.9, rotation=0.7),
+        mf.GGX(alpha_x=1e-3, alpha_y=2.0, rotation=-0.3),
+    ],
+    ids=repr,
+)
+def test_singular_stretched_and_heavy_densities_are_integrated(ndf: Any) -> None:
+    result = chi2(ndf.sample, ndf.pdf, **QUICK, tests=7)
+    assert result, result
+    assert abs(result.mass - 1.0) < 1e-4
+
+
+def test_p_values_are_uniform() -> None:
+    """A correct sampler fails as often as the significance says, not less and not more."""
+    ndf, w = mf.GGX(alpha=0.4), towards(85)
+    runs = range(200)
+    p_values = [
+        [
+            chi2(caps(w, 0.4), lambda m: ndf.D_visible(m, w), n=20_000, resolution=(8, 8), seed=seed).p_value,
+            ks_visible_slope(ndf, w, sampler=caps(w, 0.4), dims=2, n=20_000, seed=seed).p_value,
+        ]
+        for seed in runs
+    ]
+    for column in np.transpose(p_values):
+        assert stats.kstest(column, "uniform").pvalue > 0.001
+
+
+# What is wrong fails
+
+
+@pytest.mark.parametrize("degrees", [0, 60, 89])
+def test_a_roughness_off_by_two_percent_fails(degrees: float) -> None:
+    ndf, w = mf.GGX(alpha=0.3), towards(degrees)
+    wrong = caps(w, 0.306)
+    assert not chi2(wrong, lambda m: ndf.D_visible(m, w))
+    assert not ks_visible_slope(ndf, w, sampler=wrong, dims=2)
+
+
+def test_a_wrong_jacobian_fails() -> None:
+    """Both densities have mass 1, or nearly: the counts tell, not the mass."""
+    ndf, w = mf.GGX(alpha=0.3), towards(60)
+    sample = caps(w, 0.3)
+    assert not chi2(sample, lambda m: ndf.pdf(m), **QUICK), "all normals are not the visible ones"
+    tilted = chi2(sample, lambda m: ndf.D_visible(m, w) * m[..., 2] / 0.873, **QUICK)
+    assert tilted.mass == pytest.approx(1.0, abs=0.02)
+    assert tilted.p_value < 1e-6
+
+
+def test_a_density_that_does_not_integrate_to_one_fails() -> None:
+    assert chi2(cosine, lambert, **QUICK)
+    # So few samples that the counts alone would not tell.
+    result = chi2(cosine, lambda m: 1.01 * lambert(m), n=3000, resolution=(8, 8))
+    assert result.p_value > 0.01
+    assert not result
+    assert "integrates to 1.01" in repr(result)
+
+
+def test_one_sample_outside_fails() -> None:
+    for lost in (np.nan, -1.0):
+
+        def sample(xi: Array, lost: float = lost) -> Array:
+            m = cosine(xi)
+            m[0, 2] = lost
+            return m
+
+        result = chi2(sample, lambert, **QUICK)
+        assert not result
+        assert result.outside == 1
+        assert "1 outside" in repr(result)
+
+
+def test_a_lossy_density_counts_what_is_lost() -> None:
+    def sample(xi: Array) -> Array:
+        m = cosine(xi[:, :2])
+        m[xi[:, 2] < 0.25, 2] = np.nan
+        return m
+
+    options: dict[str, Any] = {**QUICK, "dims": 3}
+    assert chi2(sample, lambda m: 0.75 * lambert(m), **options, lossy=True)
+    assert not chi2(sample, lambda m: 0.74 * lambert(m), **options, lossy=True)
+    assert not chi2(sample, lambda m: 0.75 * lambert(m), **options), "unless that is said"
+    assert not chi2(sample, lambert, **options, lossy=True)
+
+
+def test_the_whole_sphere() -> None:
+    def uniform(xi: Array) -> Array:
+        z, phi = 1.0 - 2.0 * xi[:, 0], 2.0 * np.pi * xi[:, 1]
+        s = np.sqrt(1.0 - z * z)
+        return np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=-1)
+
+    def density(m: Array) -> Array:
+        return np.full(m.shape[:-1], 0.25 / np.pi)
+
+    assert chi2(uniform, density, domain="sphere", **QUICK)
+    assert not chi2(uniform, density, domain="hemisphere", **QUICK)
+
+
+def test_a_sampler_that_always_says_the_same_fails() -> None:
+    result = chi2(lambda xi: np.tile(towards(30), (len(xi), 1)), lambert, **QUICK)
+    assert not result
+    assert result.p_value == 0.0
+
+
+# Quadrature
+
+
+def test_a_coarse_quadrature_rejects_a_correct_sampler() -> None:
+    """Why expected counts are integrated finely: one point in each cell's middle is another distribution."""
+    ndf, w = mf.GGX(alpha=0.1), towards(88)
+    result = chi2(caps(w, 0.1), lambda m: ndf.D_visible(m, w))
+    assert result
+    t0, t1, p0, p1 = result.cells.T
+    theta, phi = 0.5 * (t0 + t1), 0.5 * (p0 + p1)
+    middle = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+    coarse = result.n * ndf.D_visible(middle, w) * np.sin(theta) * (t1 - t0) * (p1 - p0)
+    enough = (coarse >= 5) & (result.expected >= 5)
+    for expected, right in ((result.expected, True), (coarse, False)):
+        counts = result.histogram[enough]
+        share = expected[enough] * counts.sum() / expected[enough].sum()
+        assert (stats.chisquare(counts, share).pvalue > 1e-3) is np.bool_(right)
+
+
+def test_integrals_of_cells_are_exact() -> None:
+    """Of a density with a closed integral over rectangles: cos(theta)/pi, and a kink across them."""
+    cells = Cells.around(cosine(np.random.default_rng(1).random((4000, 2))), np.pi / 2, 6, 7)
+    t0, t1, p0, p1 = cells.rectangles.T
+    exact = (np.sin(t1) ** 2 - np.sin(t0) ** 2) * (p1 - p0) / (2.0 * np.pi)
+    np.testing.assert_allclose(integrate(lambert, cells, 1e-9), exact, atol=1e-12)
+    kinked = integrate(lambda m: np.abs(m[..., 0]) / np.pi, cells, 1e-7)
+    assert kinked.sum() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_lobe_in_the_corner_of_a_wide_cell_is_found() -> None:
+    """Two cells: the lobe of width 1e-3 fills a millionth of the first."""
+    ndf, w = mf.GGX(alpha=1e-3), towards(95, 170)
+    cells = Cells.around(caps(w, 1e-3)(np.random.default_rng(1).random((4000, 2))), np.pi / 2, 2, 1)
+    assert integrate(lambda m: ndf.D_visible(m, w), cells, 1e-6).sum() == pytest.approx(1.0, abs=1e-4)
+
+
+# Cells
+
+
+@pytest.mark.parametrize("degrees", [0, 30, 89, 95])
+def test_cells_cover_the_hemisphere_once_and_hold_like_shares(degrees: float) -> None:
+    sample, rng = caps(towards(degrees, 200), 0.2), np.random.default_rng(3)
+    cells = Cells.around(sample(rng.random((20_000, 2))), np.pi / 2, 12, 10)
+    t0, t1, p0, p1 = cells.rectangles.T
+    assert np.sum((np.cos(t0) - np.cos(t1)) * (p1 - p0)) == pytest.approx(2.0 * np.pi, rel=1e-12)
+    m = sample(rng.random((50_000, 2)))
+    counts, outside = cells.count(m)
+    assert outside == 0
+    assert counts.sum() == len(m)
+    assert counts.min() > 0.5 * len(m) / 120
+    theta, phi = angles(m, cells.phi[0, 0])
+    found = cells.find(theta, phi)
+    inside = (theta >= t0[found]) & (theta <= t1[found]) & (phi >= p0[found]) & (phi <= p1[found])
+    assert inside.all()
+
+
+def test_cells_with_few_samples_are_pooled() -> None:
+    result = chi2(cosine, lambert, n=2000, resolution=(32, 32))
+    assert result, result
+    assert np.median(result.expected) < 5.0
+    assert 1 <= result.dof < 500
+
+
+# Interface
+
+
+def test_directions_may_be_given() -> None:
+    m = cosine(np.random.default_rng(5).random((200_000, 2)))
+    result = chi2(m, lambert, resolution=(16, 16))
+    assert result
+    assert result.n == 200_000 - 64 * 256
+    assert not chi2(m, lambda m: 1.5 * lambert(m) * m[..., 2], resolution=(16, 16))
+
+
+def test_a_seed_repeats_and_a_generator_goes_on() -> None:
+    first, again, other = (chi2(cosine, lambert, **QUICK, seed=seed) for seed in (7, 7, 8))
+    assert first == again
+    assert first.statistic != other.statistic
+    rng = np.random.default_rng(7)
+    assert chi2(cosine, lambert, **QUICK, seed=rng) == first
+    assert chi2(cosine, lambert, **QUICK, seed=rng) != first
+
+
+def test_single_precision_uniforms() -> None:
+    seen = []
+
+    def sample(xi: Array) -> Array:
+        seen.append(xi.dtype)
+        return cosine(xi)
+
+    assert chi2(sample, lambert, **QUICK, dtype=np.float32)
+    assert set(seen) == {np.dtype(np.float32)}
+
+
+def test_sidak() -> None:
+    assert 1.0 - (1.0 - sidak(0.01, 500)) ** 500 == pytest.approx(0.01)
+    assert chi2(cosine, lambert, **QUICK, tests=500).threshold == sidak(0.01, 500)
+    for arguments in ((0.0, 1), (1.0, 1), (0.1, 0)):
+        with pytest.raises(ValueError, match="must"):
+            sidak(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("samples", "density", "options", "words"),
+    [
+        (cosine, lambert, {"domain": "disk"}, "domain must be 'hemisphere' or 'sphere', got 'disk'"),
+        (cosine, lambert, {"resolution": (1, 1)}, "at least 2 cells"),
+        (cosine, lambert, {"significance": 2.0}, "significance"),
+        (cosine, lambert, {"n": 0}, "n must be at least 1"),
+        (lambda xi: xi, lambert, {}, r"shape \(16384, 3\), got \(16384, 2\)"),
+        (np.zeros((5, 2)), lambert, {}, r"shape \(N, 3\), got \(5, 2\)"),
+        (cosine, lambda m: m, {}, "the density of directions"),
+        (cosine, lambda m: lambert(m) - 0.1, {}, "finite and not negative"),
+        (cosine, lambda m: lambert(m) * np.nan, {}, "finite and not negative"),
+        (cosine, lambert, {"n": 4}, "more samples"),
+        (cosine, lambda m: np.random.default_rng(1).random(m.shape[:-1]), {}, "cannot be integrated"),
+    ],
+)
+def test_bad_input_is_one_sentence(samples: Any, density: Any, options: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        chi2(samples, density, **{"resolution": (16, 16), **options})
+
+
+# Visible slopes
+
+
+@pytest.mark.parametrize(
+    "ndf",
+    [
+        mf.Beckmann(alpha_x=0.2, alpha_y=0.6, rotation=0.5),
+        mf.BesselK(alpha_x=0.6, alpha_y=0.1, a=0.7),
+        mf.GTR(alpha=0.2, gamma=1.4),
+        mf.RadialNDF(lambda r: np.exp(-(r**4)), alpha_x=0.3, alpha_y=0.5, rotation=-0.3),
+    ],
+    ids=repr,
+)
+@pytest.mark.parametrize(("degrees", "azimuth"), [(0, 0), (50, 20), (88, 100), (97, 250)])
+def test_the_slope_cdf_is_the_integral_of_the_visible_density(
+    ndf: Any, degrees: float, azimuth: float
+) -> None:
+    """Of D_visible over slopes across the plane of incidence, and along it up to p."""
+    w = towards(degrees, azimuth)
+    e = w[:2] / np.hypot(*w[:2]) if degrees else np.array([1.0, 0.0])
+    nodes, weights = np.polynomial.legendre.leggauss(500)
+    limit = np.inf if degrees == 0 else w[2] / np.hypot(*w[:2])
+    for a, b in ((-0.6, -0.25), (-0.25, -0.1), (0.01, 0.3)):
+        low, high = min(a, limit), min(b, limit)
+        p = (low + (high - low) * 0.5 * (nodes + 1.0))[:, None]
+        q = np.sinh(20.0 * nodes) / 1e3
+        slopes = p[..., None] * e + q[:, None] * np.array([-e[1], e[0]])
+        visible = (
+            np.maximum(0.0, w[2] - slopes @ w[:2]) * ndf.P22(slopes[..., 0], slopes[..., 1]) / ndf.sigma(w)
+        )
+        inner = (visible * weights * 20.0 * np.cosh(20.0 * nodes) / 1e3).sum(axis=-1)
+        expected = float(inner @ weights) * 0.5 * (high - low)
+        between = np.diff(visible_slope_cdf(ndf, w, [a, b]))[0]
+        assert between == pytest.approx(expected, abs=2e-6)
+    assert visible_slope_cdf(ndf, w, 1e300) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_results_speak_for_themselves() -> None:
+    result = ks_visible_slope(mf.GGX(alpha=0.5), towards(60), sampler=caps(towards(60), 0.5), dims=2, n=1000)
+    assert repr(result).startswith("SlopeResult(passed: p = ")
+    with pytest.raises(ValueError, match=r"w must have shape \(3,\)"):
+        visible_slope_cdf(mf.GGX(alpha=0.5), [0.0, 1.0], 0.0)
