@@ -16,6 +16,7 @@ from click.testing import CliRunner, Result
 
 import microfacet as mf
 from microfacet import _checks
+from microfacet._console.draw import Draw, View
 from microfacet.cli import main
 
 Run = Callable[..., Result]
@@ -103,17 +104,100 @@ def test_sample_prints_unit_normals(run: Run) -> None:
     np.testing.assert_array_equal(normals, mf.StudentT(alpha=0.3, gamma=2.5).sample(xi))
 
 
-@pytest.mark.parametrize("suffix", [".npy", ".csv"])
-def test_sample_writes_files(run: Run, tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def read_parquet(path: Path) -> Any:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    table = parquet.read_table(path)
+    assert table.column_names == ["x", "y", "z"]
+    return np.stack([column.to_numpy() for column in table.columns], axis=-1)
+
+
+READERS: dict[str, Callable[[Path], Any]] = {
+    ".npy": np.load,
+    ".csv": lambda path: np.loadtxt(path, delimiter=",", skiprows=1),
+    ".parquet": read_parquet,
+}
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("suffix", READERS)
+def test_sample_writes_files(
+    run: Run, tmp_path: Path, suffix: str, dtype: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     monkeypatch.setattr("microfacet._console.draw._BLOCK", 7)
     path = tmp_path / f"normals{suffix}"
-    result = run("sample", "ggx", "--alpha", "0.3", "-n", "30", "--seed", "4", "-o", str(path))
+    result = run(
+        "sample", "ggx", "--alpha", "0.3", "-n", "30", "--seed", "4", "-o", str(path), "--dtype", dtype
+    )
     assert result.exit_code == 0, result.stderr
-    normals = np.load(path) if suffix == ".npy" else np.loadtxt(path, delimiter=",", skiprows=1)
+    assert result.stdout == ""
+    normals = READERS[suffix](path)
     assert normals.shape == (30, 3)
-    expected = mf.GGX(alpha=0.3).sample(np.random.default_rng(4).random((30, 2)))
-    np.testing.assert_array_equal(normals, expected, "blocks make no difference")
+    assert suffix == ".csv" or normals.dtype == dtype
+    xi = np.random.default_rng(4).random((30, 2))
+    if dtype == "float32":
+        xi = (xi * 2**24 // 1 / 2**24).astype(dtype)
+    expected = mf.GGX(alpha=0.3).sample(xi)
+    np.testing.assert_array_equal(normals.astype(dtype), expected, "blocks make no difference")
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+VISIBLE = {
+    "ggx": (["--alpha", "0.3"], mf.GGX(alpha=0.3)),
+    "k0": (["--alpha", "0.5"], mf.K0(alpha=0.5)),
+    "student_t": (["--alpha", "0.3", "--gamma", "3"], mf.StudentT(alpha=0.3, gamma=3.0)),
+}
+
+
+@pytest.mark.parametrize("family", VISIBLE)
+@pytest.mark.parametrize("scheme", ["continuous", "mixture"])
+def test_sample_of_visible_normals(
+    run: Run, tmp_path: Path, family: str, scheme: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given, ndf = VISIBLE[family]
+    path = tmp_path / "visible.npy"
+    options = ["--visible", "100", "--phi", "30", "--scheme", scheme, "-n", "50", "--seed", "9"]
+    monkeypatch.setattr("microfacet._console.draw._BLOCK", 11)
+    result = run("sample", family, *given, *options, "-o", str(path), "--json")
+    assert result.exit_code == 0, result.stderr
+    summary = json.loads(result.stdout)
+    assert summary["path"] == str(path)
+    assert summary["visible"] == {"theta": 100.0, "phi": 30.0}
+    assert (summary["scheme"], summary["count"], summary["seed"]) == (scheme, 50, 9)
+    w, (theta, phi) = View(100.0, 30.0).direction, np.radians([100.0, 30.0])
+    expected = [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
+    np.testing.assert_allclose(w, expected, rtol=1e-15)
+    xi = np.random.default_rng(9).random((50, summary["dims"]))
+    normals = np.load(path)
+    np.testing.assert_array_equal(normals, ndf.sample_visible(w, xi, scheme=scheme))
+    assert (normals @ w > 0).all()
+
+
+def test_sample_of_bounded_normals_reflects_upwards(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "bounded.npy"
+    given = ["--alpha", "0.8", "--visible", "85", "--bounded", "-n", "1000", "-o", str(path)]
+    assert run("sample", "ggx", *given).exit_code == 0
+    normals = np.load(path)
+    w = np.array([np.sin(np.radians(85)), 0.0, np.cos(np.radians(85))])
+    assert (2.0 * (normals @ w) * normals[:, 2] - w[2] >= -1e-12).all()
+
+
+def test_any_block_can_be_drawn_on_its_own() -> None:
+    draw = Draw(mf.GGX(alpha=0.3), 10_000_000_000, 3)
+    whole = draw.block(0, 1000)
+    for start, stop in ((0, 1), (1, 4), (333, 1000), (999, 1000)):
+        np.testing.assert_array_equal(draw.block(start, stop), whole[start:stop])
+    assert draw.block(9_999_999_990, 10_000_000_000).shape == (10, 3), "far into the sequence, at once"
+
+
+def test_parquet_without_its_library_is_one_sentence(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    result = run("sample", "ggx", "--alpha", "1", "-o", str(tmp_path / "normals.parquet"))
+    assert_one_sentence(result, "needs pyarrow", "microfacet[parquet]")
+    assert not list(tmp_path.iterdir())
 
 
 def test_sample_never_leaves_half_a_file(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,7 +208,7 @@ def test_sample_never_leaves_half_a_file(run: Run, tmp_path: Path, monkeypatch: 
         yield np.zeros((2, 3))
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr("microfacet._console.draw._blocks", blocks)
+    monkeypatch.setattr(Draw, "blocks", blocks)
     result = run("sample", "ggx", "--alpha", "0.3", "-o", str(path))
     assert_one_sentence(result, "No space left on device")
     assert path.read_bytes() == b"old"
@@ -259,7 +343,14 @@ def assert_one_sentence(result: Result, *words: str) -> None:
         ("eval ggx D 1 --alpha 1 --nonsense", ["--nonsense"]),
         ("sample ggx --alpha 0", ["GGX: alpha must lie in (0, inf), got 0"]),
         ("sample ggx --alpha 1 -n 0", ["-n"]),
-        ("sample ggx --alpha 1 -o normals.txt", ["must end in .npy or .csv"]),
+        ("sample ggx --alpha 1 -o normals.txt", ["must end in .npy, .csv, .parquet"]),
+        ("sample ggx --alpha 1 --visible 181", ["--visible", "181"]),
+        ("sample ggx --alpha 1 --visible 180", ["no normal can be seen from 180 degrees"]),
+        ("sample k0 --alpha 1 --visible 30 --bounded", ["bounded", "ggx alone", "k0"]),
+        ("sample ggx --alpha 1 --phi 30", ["go with --visible"]),
+        ("sample ggx --alpha 1 --visible 1 --scheme mixture --bounded", ["exclude each other"]),
+        ("sample ggx --alpha 1 --visible 1 --scheme best", ["--scheme", "best"]),
+        ("sample ggx --alpha 1 --json", ["--output"]),
         ("sample ggx --alpha 1 -o missing/normals.npy", ["missing", "No such file"]),
         ("verify --id k0.nonsense", ["k0.nonsense"]),
         ("verify --family nonsense", ["nonsense"]),

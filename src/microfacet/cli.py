@@ -21,6 +21,7 @@ from microfacet._console.program import (
     parameter_options,
     progress,
     surface_options,
+    view_options,
 )
 
 __all__ = ["main"]
@@ -185,36 +186,54 @@ def evaluate(
 
 @main.command()
 @click.argument("family")
-@click.option("-n", "number", type=click.IntRange(min=1), default=10, show_default=True, help="How many.")
+@click.option(
+    "-n", "--count", type=click.IntRange(min=1), default=10, show_default=True, help="How many normals."
+)
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same normals."
 )
 @parameter_options
+@view_options
+@click.option("--dtype", type=click.Choice(["float64", "float32"]), default="float64", help="Precision.")
 @click.option(
-    "-o", "--output", type=click.Path(dir_okay=False), help="FILE.npy or FILE.csv; stdout otherwise."
+    "-o", "--output", type=click.Path(dir_okay=False), help="FILE.npy, .csv or .parquet; stdout otherwise."
 )
+@json_option
 def sample(
     family: str,
-    number: int,
+    count: int,
     seed: int,
     parameters: Parameters,
+    view: dict[str, Any] | None,
+    dtype: str,
     output: str | None,
+    as_json: bool,
 ) -> None:
-    """Draw normals from D cos(theta): rows x, y, z.
+    """Draw normals from D cos(theta), or those seen from a direction: rows x, y, z.
+
+    The normal in a row depends on the seed and the number of the row alone. With --json a summary is printed,
+    and --output says where the normals go.
 
     \b
     Examples:
       microfacet sample ggx --alpha 0.3
-      microfacet sample student_t --alpha 0.3 --gamma 2.5 -n 1000000 --seed 7 -o normals.npy
+      microfacet sample k0 --alpha 0.3 --visible 85 -n 1000000 --seed 7 -o visible.npy
+      microfacet sample ggx --alpha 0.3 --visible 60 --bounded -o normals.csv --json
     """
     from microfacet._console import draw
     from microfacet._console.parameters import distribution, family_named
 
+    if as_json and output is None:
+        raise click.UsageError("--json prints a summary: say with --output where the normals go")
     ndf = distribution(family_named(family), parameters)
+    work = draw.Draw(ndf, count, seed, dtype, None if view is None else draw.View(**view))
     if output is None:
-        draw.write_csv(ndf, number, seed, sys.stdout.buffer)
-    else:
-        draw.save(ndf, number, seed, Path(output))
+        draw.write_csv(work, sys.stdout.buffer)
+        return
+    with progress() as tell:
+        draw.save(work, Path(output), tell)
+    if as_json:
+        click.echo(json.dumps({"path": str(Path(output).absolute()), **work.as_dict()}))
 
 
 @main.command()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -12,34 +14,156 @@ from numpy.typing import NDArray
 
 from microfacet._files import replacing
 
-__all__ = ["save", "write_csv"]
+__all__ = ["Draw", "View", "save", "write_csv"]
+
+Array = NDArray[Any]
+#: Told what is written, how many normals are, and how many will be.
+Progress = Callable[[str, int, int], None]
 
 _BLOCK = 2**16
 
 
-def save(ndf: Any, n: int, seed: int, path: Path) -> None:
-    """Write `n` normals to a .npy file of shape (n, 3) or to a .csv file; nothing is left if it fails."""
-    if path.suffix not in {".npy", ".csv"}:
-        raise ValueError(f"output must end in .npy or .csv, got {str(path)!r}")
+@dataclass(frozen=True)
+class View:
+    """Whence normals are seen (degrees), and how they are drawn."""
+
+    theta: float
+    phi: float = 0.0
+    scheme: str = "continuous"
+    bounded: bool = False
+
+    @property
+    def direction(self) -> Array:
+        """The unit vector: exactly vertical at 0 and 180, exactly horizontal at 90."""
+        s, c = (
+            math.sin(math.radians(min(self.theta, 180.0 - self.theta))),
+            math.sin(math.radians(90.0 - self.theta)),
+        )
+        phi = math.radians(self.phi)
+        return np.array([s * math.cos(phi), s * math.sin(phi), c])
+
+
+@dataclass(frozen=True)
+class Draw:
+    """`count` normals of a distribution: which one is where depends on the seed and its number alone."""
+
+    ndf: Any
+    count: int
+    seed: int
+    dtype: str = "float64"
+    view: View | None = None
+
+    def __post_init__(self) -> None:
+        if self.view is None:
+            return
+        if self.view.bounded and self.ndf.family != "ggx":
+            raise ValueError(f"bounded sampling exists for ggx alone, not for {self.ndf.family}")
+        if not self.ndf.sigma(self.view.direction) > 0.0:
+            raise ValueError(f"no normal can be seen from {self.view.theta:g} degrees: sigma is 0")
+
+    @property
+    def dims(self) -> int:
+        """Uniform random numbers of each normal."""
+        if self.view is None or self.view.bounded:
+            return 2
+        return int(self.ndf.visible_dims if self.view.scheme == "continuous" else 3)
+
+    def block(self, start: int, stop: int) -> Array:
+        """The normals number `start` to `stop`, the same whatever was drawn before."""
+        generator = np.random.PCG64(self.seed)
+        generator.advance(start * self.dims)  # one step for each number
+        xi = np.random.Generator(generator).random((stop - start, self.dims))
+        if self.dtype == "float32":
+            xi = (np.floor(xi * 2.0**24) * 2.0**-24).astype(np.float32)  # rounding would make some of them 1
+        if self.view is None:
+            return np.asarray(self.ndf.sample(xi))
+        w = self.view.direction.astype(self.dtype)
+        how: dict[str, Any] = {"bounded": True} if self.view.bounded else {"scheme": self.view.scheme}
+        return np.asarray(self.ndf.sample_visible(w, xi, **how))
+
+    def blocks(self) -> Iterator[Array]:
+        """All of them."""
+        for start in range(0, self.count, _BLOCK):
+            yield self.block(start, min(start + _BLOCK, self.count))
+
+    def as_dict(self) -> dict[str, Any]:
+        """What was drawn, as a record."""
+        view = self.view and {"theta": self.view.theta, "phi": self.view.phi}
+        how = self.view and ("bounded" if self.view.bounded else self.view.scheme)
+        return {
+            "family": self.ndf.family,
+            "parameters": self.ndf.parameters,
+            "visible": view,
+            "scheme": how,
+            "count": self.count,
+            "seed": self.seed,
+            "dims": self.dims,
+            "dtype": self.dtype,
+        }
+
+
+def save(draw: Draw, path: Path, progress: Progress = lambda *_: None) -> None:
+    """Write .npy of shape (count, 3), .csv or .parquet with columns x, y, z; nothing is left if it fails."""
+    if path.suffix not in _WRITERS:
+        raise ValueError(f"output must end in {', '.join(_WRITERS)}, got {str(path)!r}")
+    write = _WRITERS[path.suffix]
+    if path.suffix == ".parquet":
+        _arrow()  # fails before anything is drawn
+
+    def told() -> Iterator[Array]:
+        done = 0
+        for block in draw.blocks():
+            progress(path.name, done, draw.count)
+            yield block
+            done += len(block)
+
     with replacing(path) as stream:
-        if path.suffix == ".csv":
-            write_csv(ndf, n, seed, stream)
-        else:
-            header = {"descr": "<f8", "fortran_order": False, "shape": (n, 3)}
-            npy.write_array_header_1_0(stream, header)
-            for block in _blocks(ndf, n, seed):
-                stream.write(block.astype("<f8").tobytes())
+        write(draw, told(), stream)
 
 
-def write_csv(ndf: Any, n: int, seed: int, stream: BinaryIO) -> None:
-    """Write `n` normals as lines x,y,z under a heading, with every digit."""
+def write_csv(draw: Draw, stream: BinaryIO) -> None:
+    """Write lines x,y,z under a heading, with every digit."""
+    _csv(draw, draw.blocks(), stream)
+
+
+def _csv(draw: Draw, blocks: Iterator[Array], stream: BinaryIO) -> None:
+    form = "{!r},{!r},{!r}\n" if draw.dtype == "float64" else "{:.9g},{:.9g},{:.9g}\n"
     stream.write(b"x,y,z\n")
-    for block in _blocks(ndf, n, seed):
-        stream.write("".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in block.tolist()).encode())
+    for block in blocks:
+        stream.write("".join(form.format(*row) for row in block.tolist()).encode())
 
 
-def _blocks(ndf: Any, n: int, seed: int) -> Iterator[NDArray[np.float64]]:
-    """The same normals whatever the block size: the generator fills row after row."""
-    rng = np.random.default_rng(seed)
-    for start in range(0, n, _BLOCK):
-        yield np.asarray(ndf.sample(rng.random((min(_BLOCK, n - start), 2))), dtype=np.float64)
+def _npy(draw: Draw, blocks: Iterator[Array], stream: BinaryIO) -> None:
+    little = np.dtype(draw.dtype).newbyteorder("<")
+    header = {"descr": little.str, "fortran_order": False, "shape": (draw.count, 3)}
+    npy.write_array_header_1_0(stream, header)
+    for block in blocks:
+        stream.write(block.astype(little, copy=False).tobytes())
+
+
+def _parquet(draw: Draw, blocks: Iterator[Array], stream: BinaryIO) -> None:
+    arrow, parquet = _arrow()
+    kind = arrow.float64() if draw.dtype == "float64" else arrow.float32()
+    schema = arrow.schema([(name, kind) for name in "xyz"])
+    with parquet.ParquetWriter(stream, schema) as writer:
+        for block in blocks:
+            columns = [arrow.array(np.ascontiguousarray(column)) for column in block.T]
+            writer.write_table(arrow.table(columns, schema=schema))
+
+
+def _arrow() -> tuple[Any, Any]:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise ImportError(
+            "a .parquet file needs pyarrow: pip install 'microfacet[parquet]', or write .npy or .csv"
+        ) from None
+    return pyarrow, pyarrow.parquet
+
+
+_WRITERS: dict[str, Callable[[Draw, Iterator[Array], BinaryIO], None]] = {
+    ".npy": _npy,
+    ".csv": _csv,
+    ".parquet": _parquet,
+}

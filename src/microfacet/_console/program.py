@@ -12,7 +12,15 @@ from typing import Any, NoReturn
 
 import click
 
-__all__ = ["Program", "families_option", "json_option", "parameter_options", "progress", "surface_options"]
+__all__ = [
+    "Program",
+    "families_option",
+    "json_option",
+    "parameter_options",
+    "progress",
+    "surface_options",
+    "view_options",
+]
 
 Command = Callable[..., Any]
 
@@ -91,6 +99,37 @@ def surface_options(command: Command) -> Command:
     ) -> Any:
         reading = {"channel": channel, "pixel_size": pixel_size, "unit": unit, "lag": lag}
         return command(reading=reading, **rest)
+
+    return wrapped
+
+
+def view_options(command: Command) -> Command:
+    """Options that say whence normals are seen; the command gets those given as `view`, None without any."""
+
+    @click.option(
+        "--visible",
+        type=click.FloatRange(0.0, 180.0),
+        metavar="THETA",
+        help="Only normals seen from THETA degrees off the macronormal (above 90: from below the horizon).",
+    )
+    @click.option("--phi", type=float, metavar="DEGREES", help="Azimuth of that direction; 0 otherwise.")
+    @click.option(
+        "--scheme",
+        type=click.Choice(["continuous", "mixture"]),
+        help="How they are drawn: continuous in the random numbers, or cheaper. Both are exact.",
+    )
+    @click.option("--bounded", is_flag=True, help="Only normals that reflect upwards (ggx).")
+    @functools.wraps(command)
+    def wrapped(
+        visible: float | None, phi: float | None, scheme: str | None, bounded: bool, **rest: Any
+    ) -> Any:
+        options = {"phi": phi, "scheme": scheme, "bounded": bounded or None}
+        given = {name: value for name, value in options.items() if value is not None}
+        if visible is None and given:
+            raise click.UsageError("--phi, --scheme and --bounded go with --visible")
+        if scheme and bounded:
+            raise click.UsageError("--scheme and --bounded exclude each other")
+        return command(view=None if visible is None else {"theta": visible, **given}, **rest)
 
     return wrapped
 
