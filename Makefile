@@ -74,6 +74,9 @@ bench-check: $(VENV)/.package  ## no kernel has become half as fast as benchmark
 docs-accuracy: $(VENV)/.package $(VENV)/.test  ## measure the accuracy again and write docs/accuracy.md
 	$(BIN)/python tools/measure_accuracy.py
 
+docs-sampling: $(VENV)/.package $(VENV)/.test  ## test every sampler of the full grid and write docs/sampling_tests.md (half an hour)
+	$(BIN)/python tools/measure_sampling.py $(ARGS)
+
 ##@ Other
 
 clean:  ## remove all that make made

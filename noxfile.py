@@ -12,5 +12,5 @@ def delegate(target: str) -> None:
         session.run("make", target, *session.posargs, external=True)
 
 
-for target in ("report", "lint", "format", "headers", "sanitize", "test", "docs-accuracy"):
+for target in ("report", "lint", "format", "headers", "sanitize", "test", "docs-accuracy", "docs-sampling"):
     delegate(target)

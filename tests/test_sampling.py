@@ -1,0 +1,107 @@
+"""Samples follow their densities: all normals, visible ones by every scheme, in both precisions.
+
+Some of the grid; `make docs-sampling` runs all of it, with a million samples, for docs/sampling_tests.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import microfacet as mf
+import sampling_cases
+from microfacet.testing import chi2, ks_visible_slope
+from microfacet.testing._cells import Cells
+from microfacet.testing._quadrature import integrate
+from sampling_cases import Case
+
+Array = NDArray[np.float64]
+SELECTION = sampling_cases.selection()
+SAMPLES = 100_000
+TESTS = 2 * len(SELECTION)
+
+
+def towards(degrees: float, azimuth: float = 0.0) -> Array:
+    s, phi = np.sin(np.radians(degrees)), np.radians(azimuth)
+    return np.array([s * np.cos(phi), s * np.sin(phi), np.sin(np.radians(90.0 - degrees))])
+
+
+def test_the_selection_meets_every_value_of_the_grid() -> None:
+    everything = list(sampling_cases.cases())
+    values: tuple[Callable[[Case], object], ...] = (
+        lambda case: case.family,
+        lambda case: case.scheme,
+        lambda case: case.incidence,
+        lambda case: case.azimuth,
+        lambda case: case.dtype,
+        lambda case: dict(case.parameters).get("alpha"),
+        lambda case: (case.family, case.parameters[-1]),
+        lambda case: (case.family, case.scheme),
+    )
+    for value in values:
+        assert {value(case) for case in SELECTION} == {value(case) for case in everything}
+
+
+@pytest.mark.parametrize("case", SELECTION, ids=str)
+def test_samples_follow_the_density(case: Case) -> None:
+    result = case.chi2(SAMPLES, TESTS, (16, 16))
+    assert result, result
+    assert abs(result.mass - 1.0) < 1e-4, "the density integrates to 1"
+
+
+@pytest.mark.parametrize("case", [case for case in SELECTION if case.slope(10, 1)], ids=str)
+def test_visible_slopes_follow_their_distribution(case: Case) -> None:
+    result = case.slope(SAMPLES, TESTS)
+    assert result, result
+
+
+@pytest.mark.parametrize("degrees", [20, 89, 100])
+def test_a_density_of_ones_own(degrees: float) -> None:
+    ndf = mf.RadialNDF(lambda r: np.exp(-(r**4)), alpha_x=0.3, alpha_y=0.5, rotation=0.4)
+    w = towards(degrees, 70)
+    options: dict[str, Any] = {"n": SAMPLES, "tests": 6, "dims": ndf.visible_dims}
+    result = chi2(lambda xi: ndf.sample_visible(w, xi), lambda m: ndf.pdf_visible(m, w), **options)
+    assert result, result
+    slopes = ks_visible_slope(ndf, w, n=SAMPLES, tests=6)
+    assert slopes, slopes
+
+
+WHITE = [
+    mf.Beckmann(alpha_x=0.1, alpha_y=0.6, rotation=0.3),
+    mf.GGX(alpha=0.8),
+    mf.GTR(alpha=0.3, gamma=1.5),
+    mf.StudentT(alpha=0.5, gamma=1.6),
+    mf.K0(alpha=0.4),
+    mf.BesselK(alpha_x=0.5, alpha_y=0.2, a=0.7),
+]
+
+
+@pytest.mark.parametrize("ndf", WHITE, ids=repr)
+@pytest.mark.parametrize("degrees", [0, 60, 88])
+def test_the_weight_of_a_sample_is_g2_over_g1(ndf: Any, degrees: float) -> None:
+    """The albedo of a white conductor: its mean over visible normals, and its integral over all of them."""
+    w = towards(degrees, 25)
+    rng = np.random.default_rng(11)
+
+    def reflected(m: Array) -> Array:
+        return np.asarray(2.0 * (m @ w)[..., None] * m - w)
+
+    def integrand(m: Array) -> Array:
+        seen = np.maximum(m @ w, 0.0) * ndf.D(m) / w[2]
+        return np.asarray(np.where(seen > 0.0, seen * ndf.G2(w, reflected(m)) * upwards(m), 0.0))
+
+    def upwards(m: Array) -> NDArray[np.bool_]:
+        return np.asarray(reflected(m)[..., 2] > 0.0)
+
+    m = ndf.sample_visible(w, rng.random((400_000, ndf.visible_dims)))
+    weights = np.where(upwards(m), ndf.G2(w, reflected(m)) / ndf.G1(w), 0.0)
+    assert weights.max() <= 1.0 + 1e-12, "no sample weighs more than one"
+    cells = Cells.around(m[:50_000], np.pi / 2, 32, 32)
+    albedo = float(integrate(integrand, cells, 1e-7).sum())
+    deviation = weights.std() / np.sqrt(len(weights))
+    assert abs(weights.mean() - albedo) < 4.5 * deviation + 1e-6
+    assert deviation < 2e-3, "so that a wrong weight would show"
