@@ -206,3 +206,10 @@ def test_threads_share_one_density() -> None:
     with ThreadPoolExecutor(4) as pool:
         for result in pool.map(lambda _: ndf.sigma(w), range(8)):
             np.testing.assert_array_equal(result, expected)
+
+
+def test_the_density_of_horizontal_normals_is_no_nan() -> None:
+    """Far beyond the last piece of its tables."""
+    z = 10.0 ** -np.arange(1.0, 160.0)
+    for ndf in (mf.RadialNDF(lambda r: np.exp(-(r**4))), mf.RadialNDF(lambda r: (1.0 + r * r) ** -3.0)):
+        assert np.isfinite(ndf.D(np.ones_like(z), np.zeros_like(z), z)).all()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import microfacet as mf
 import sampling_cases
 from microfacet.testing import chi2, ks_visible_slope
-from microfacet.testing._cells import Cells
+from microfacet.testing._cells import DOMAINS, Cells
 from microfacet.testing._quadrature import integrate
 from sampling_cases import Case
 
@@ -100,7 +100,7 @@ def test_the_weight_of_a_sample_is_g2_over_g1(ndf: Any, degrees: float) -> None:
     m = ndf.sample_visible(w, rng.random((400_000, ndf.visible_dims)))
     weights = np.where(upwards(m), ndf.G2(w, reflected(m)) / ndf.G1(w), 0.0)
     assert weights.max() <= 1.0 + 1e-12, "no sample weighs more than one"
-    cells = Cells.around(m[:50_000], np.pi / 2, 32, 32)
+    cells = Cells.around(m[:50_000], DOMAINS["hemisphere"], 32, 32)
     albedo = float(integrate(integrand, cells, 1e-7).sum())
     deviation = weights.std() / np.sqrt(len(weights))
     assert abs(weights.mean() - albedo) < 4.5 * deviation + 1e-6

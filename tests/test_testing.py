@@ -12,10 +12,11 @@ from scipy import stats
 
 import microfacet as mf
 from microfacet.testing import chi2, ks_visible_slope, sidak, visible_slope_cdf
-from microfacet.testing._cells import Cells, angles
+from microfacet.testing._cells import DOMAINS, Cells, coordinates, theta
 from microfacet.testing._quadrature import integrate
 
 Array = NDArray[np.float64]
+TOP = DOMAINS["hemisphere"]
 QUICK: dict[str, Any] = {"n": 100_000, "resolution": (16, 16)}
 
 
@@ -96,6 +97,21 @@ def test_p_values_are_uniform() -> None:
     ]
     for column in np.transpose(p_values):
         assert stats.kstest(column, "uniform").pvalue > 0.001
+
+
+def test_mass_within_a_rounding_of_the_horizon_is_seen() -> None:
+    """Student-T near its limit, from far below: a tenth of all visible slopes exceeds 1e10."""
+    ndf, w = mf.StudentT(alpha=0.5, gamma=1.55), towards(170)
+    p = np.array([-1e10, -1e12])
+    assert visible_slope_cdf(ndf, w, p[0]) > 0.05
+    s = 1.0 / np.hypot(1.0, p)
+    m = np.stack([-p * s, 0.0 * s, s], axis=-1)
+    assert coordinates(m)[0] == pytest.approx(np.log(-p))
+    pilot = np.concatenate(
+        [np.stack([np.cos(a) * m[:, 0], np.sin(a) * m[:, 0], m[:, 2]], -1) for a in range(6)]
+    )
+    cells = Cells.around(pilot, TOP, 3, 3)
+    assert integrate(lambda m: ndf.D_visible(m, w), cells, 1e-6).sum() == pytest.approx(1.0, abs=1e-4)
 
 
 # What is wrong fails
@@ -183,9 +199,9 @@ def test_a_coarse_quadrature_rejects_a_correct_sampler() -> None:
     result = chi2(caps(w, 0.1), lambda m: ndf.D_visible(m, w))
     assert result
     t0, t1, p0, p1 = result.cells.T
-    theta, phi = 0.5 * (t0 + t1), 0.5 * (p0 + p1)
-    middle = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
-    coarse = result.n * ndf.D_visible(middle, w) * np.sin(theta) * (t1 - t0) * (p1 - p0)
+    middle, phi = 0.5 * (t0 + t1), 0.5 * (p0 + p1)
+    m = np.stack([np.sin(middle) * np.cos(phi), np.sin(middle) * np.sin(phi), np.cos(middle)], axis=-1)
+    coarse = result.n * ndf.D_visible(m, w) * np.sin(middle) * (t1 - t0) * (p1 - p0)
     enough = (coarse >= 5) & (result.expected >= 5)
     for expected, right in ((result.expected, True), (coarse, False)):
         counts = result.histogram[enough]
@@ -195,8 +211,9 @@ def test_a_coarse_quadrature_rejects_a_correct_sampler() -> None:
 
 def test_integrals_of_cells_are_exact() -> None:
     """Of a density with a closed integral over rectangles: cos(theta)/pi, and a kink across them."""
-    cells = Cells.around(cosine(np.random.default_rng(1).random((4000, 2))), np.pi / 2, 6, 7)
+    cells = Cells.around(cosine(np.random.default_rng(1).random((4000, 2))), TOP, 6, 7)
     t0, t1, p0, p1 = cells.rectangles.T
+    t0, t1 = theta(t0), theta(t1)
     exact = (np.sin(t1) ** 2 - np.sin(t0) ** 2) * (p1 - p0) / (2.0 * np.pi)
     np.testing.assert_allclose(integrate(lambert, cells, 1e-9), exact, atol=1e-12)
     kinked = integrate(lambda m: np.abs(m[..., 0]) / np.pi, cells, 1e-7)
@@ -206,7 +223,7 @@ def test_integrals_of_cells_are_exact() -> None:
 def test_a_lobe_in_the_corner_of_a_wide_cell_is_found() -> None:
     """Two cells: the lobe of width 1e-3 fills a millionth of the first."""
     ndf, w = mf.GGX(alpha=1e-3), towards(95, 170)
-    cells = Cells.around(caps(w, 1e-3)(np.random.default_rng(1).random((4000, 2))), np.pi / 2, 2, 1)
+    cells = Cells.around(caps(w, 1e-3)(np.random.default_rng(1).random((4000, 2))), TOP, 2, 1)
     assert integrate(lambda m: ndf.D_visible(m, w), cells, 1e-6).sum() == pytest.approx(1.0, abs=1e-4)
 
 
@@ -216,17 +233,19 @@ def test_a_lobe_in_the_corner_of_a_wide_cell_is_found() -> None:
 @pytest.mark.parametrize("degrees", [0, 30, 89, 95])
 def test_cells_cover_the_hemisphere_once_and_hold_like_shares(degrees: float) -> None:
     sample, rng = caps(towards(degrees, 200), 0.2), np.random.default_rng(3)
-    cells = Cells.around(sample(rng.random((20_000, 2))), np.pi / 2, 12, 10)
+    cells = Cells.around(sample(rng.random((20_000, 2))), TOP, 12, 10)
     t0, t1, p0, p1 = cells.rectangles.T
-    assert np.sum((np.cos(t0) - np.cos(t1)) * (p1 - p0)) == pytest.approx(2.0 * np.pi, rel=1e-12)
+    assert np.sum((np.cos(theta(t0)) - np.cos(theta(t1))) * (p1 - p0)) == pytest.approx(
+        2.0 * np.pi, rel=1e-12
+    )
     m = sample(rng.random((50_000, 2)))
     counts, outside = cells.count(m)
     assert outside == 0
     assert counts.sum() == len(m)
     assert counts.min() > 0.5 * len(m) / 120
-    theta, phi = angles(m, cells.phi[0, 0])
-    found = cells.find(theta, phi)
-    inside = (theta >= t0[found]) & (theta <= t1[found]) & (phi >= p0[found]) & (phi <= p1[found])
+    t, phi = coordinates(m, cells.phi[0, 0])
+    found = cells.find(t, phi)
+    inside = (t >= t0[found]) & (t <= t1[found]) & (phi >= p0[found]) & (phi <= p1[found])
     assert inside.all()
 
 

@@ -36,7 +36,8 @@ struct piecewise_searched {
   template <class R>
   MICROFACET_INLINE R operator()(const twofold<R>& x) const {
     const R inside = minimum(maximum(x.high, R(lower)), R(upper));
-    const R f = few ? value<Pieces / 2>(inside, x.low) : value<Pieces>(inside, x.low);
+    const R low = select(x.high < R(upper), x.low, R(0));  // of 1e200 it would be the larger part of `inside`
+    const R f = few ? value<Pieces / 2>(inside, low) : value<Pieces>(inside, low);
     return select(x.high < R(lower), R(at_zero), f);
   }
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from microfacet.testing._cells import Cells
+from microfacet.testing._cells import DOMAINS, Cells, theta
 from microfacet.testing._quadrature import integrate
 from microfacet.testing._threshold import sidak
 
@@ -19,7 +19,6 @@ __all__ = ["Chi2Result", "chi2"]
 Array = NDArray[np.float64]
 Sampler = Callable[[NDArray[Any]], ArrayLike]
 
-_TOPS = {"hemisphere": 0.5 * math.pi, "sphere": math.pi}
 _BATCH = 1 << 17
 _PILOTS = 64  # for each cell
 _FEWEST = 5.0  # expected samples of a cell; below, the statistic is no chi-square
@@ -153,7 +152,7 @@ def chi2(
     >>> bool(chi2(lambda xi: cosine(xi, 0.52), lambda m: m[..., 2] / np.pi, n=100_000))
     False
     """
-    if domain not in _TOPS:
+    if domain not in DOMAINS:
         raise ValueError(f"domain must be 'hemisphere' or 'sphere', got {domain!r}")
     if min(resolution) < 1 or resolution[0] * resolution[1] < 2:
         raise ValueError(f"resolution must be two positive numbers of at least 2 cells, got {resolution}")
@@ -161,7 +160,7 @@ def chi2(
     number = resolution[0] * resolution[1]
     pilot, batches = _draws(samples, _PILOTS * number, n, dims, np.dtype(dtype), seed)
     pilot = pilot[np.isfinite(pilot).all(axis=-1)]
-    cells = Cells.around(pilot, _TOPS[domain], *resolution)
+    cells = Cells.around(pilot, DOMAINS[domain], *resolution)
     histogram = np.zeros(len(cells), dtype=np.int64)
     n = outside = 0
     for batch in batches:
@@ -178,8 +177,10 @@ def chi2(
     none_lost = outside == 0 or (lossy and n * (1.0 - mass) >= _FEWEST)
     statistic, dof, p_value = _pearson(observed, expected)
     passed = bool(p_value >= threshold and whole and none_lost)
+    rectangles = cells.rectangles
+    rectangles[:, :2] = theta(rectangles[:, :2])
     outcome = (passed, statistic, dof, p_value, threshold, n)
-    return Chi2Result(*outcome, histogram, n * shares, cells.rectangles, mass, outside)
+    return Chi2Result(*outcome, histogram, n * shares, rectangles, mass, outside)
 
 
 def _draws(

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet.testing._cells import Cells
+from microfacet.testing._cells import Cells, directions
 
 __all__ = ["integrate"]
 
@@ -55,14 +55,12 @@ def integrate(density: Density, cells: Cells, tolerance: float) -> Array:
 
 
 def _gauss(density: Density, panels: Array) -> Array:
-    """Tensor Gauss-Legendre over rectangles (theta from, to, phi from, to), with the area of the sphere."""
+    """Tensor Gauss-Legendre over rectangles of the coordinates."""
     result = np.empty(len(panels))
     for start in range(0, len(panels), _AT_ONCE):
         t0, t1, p0, p1 = panels[start : start + _AT_ONCE].T[:, :, None]
-        theta = (t0 + (t1 - t0) * _NODES)[:, :, None]
-        phi = (p0 + (p1 - p0) * _NODES)[:, None, :]
-        s, c = np.sin(theta), np.cos(theta)
-        m = np.stack(np.broadcast_arrays(s * np.cos(phi), s * np.sin(phi), c), axis=-1)
+        t, phi = t0 + (t1 - t0) * _NODES, p0 + (p1 - p0) * _NODES
+        m, area = directions(t[:, :, None], phi[:, None, :])
         values = np.asarray(density(m), dtype=np.float64)
         if values.shape != m.shape[:-1]:
             raise ValueError(
@@ -70,8 +68,9 @@ def _gauss(density: Density, panels: Array) -> Array:
             )
         if not np.all(values >= 0.0) or np.any(np.isinf(values)):
             raise ValueError("the density must be finite and not negative between the cells' edges")
-        area = ((t1 - t0) * (p1 - p0))[:, 0]
-        result[start : start + _AT_ONCE] = area * np.einsum("kij,i,j->k", values * s, _WEIGHTS, _WEIGHTS)
+        values = values * area
+        size = ((t1 - t0) * (p1 - p0))[:, 0]
+        result[start : start + _AT_ONCE] = size * np.einsum("kij,i,j->k", values, _WEIGHTS, _WEIGHTS)
     return result
 
 
