@@ -92,10 +92,13 @@ class Case:
         options: dict[str, Any] = {"n": n, "tests": tests, "resolution": resolution, "dims": self.dims}
         return chi2(self.sample, self.density, **options, dtype=self.dtype, seed=self.seed)
 
-    def slope(self, n: int, tests: int) -> SlopeResult | None:
-        """The test of slopes in the plane of incidence, where they have a closed distribution function."""
-        if self.scheme in ("all", "bounded"):
-            return None
+    @property
+    def has_slope(self) -> bool:
+        """Whether slopes in the plane of incidence have a closed distribution function."""
+        return self.scheme not in ("all", "bounded")
+
+    def slope(self, n: int, tests: int) -> SlopeResult:
+        """The test of these slopes."""
         options: dict[str, Any] = {"sampler": self.sample, "dims": self.dims, "dtype": self.dtype}
         return ks_visible_slope(self.ndf, self.w, n=n, tests=tests, seed=self.seed + 1, **options)
 

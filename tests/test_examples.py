@@ -12,7 +12,12 @@ EXAMPLES = Path(__file__).parents[1] / "examples" / "python"
 
 
 @pytest.mark.parametrize(
-    ("name", "announced"), [("compare_families.py", "Student-T"), ("fit_surface.py", "nats per slope")]
+    ("name", "announced"),
+    [
+        ("compare_families.py", "Student-T"),
+        ("fit_surface.py", "nats per slope"),
+        ("check_a_sampler.py", "one percent too rough  89 degrees: chi-square fails"),
+    ],
 )
 def test_example_runs(name: str, announced: str, tmp_path: Path) -> None:
     done = subprocess.run(

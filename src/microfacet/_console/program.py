@@ -118,7 +118,7 @@ def view_options(command: Command) -> Command:
         type=click.Choice(["continuous", "mixture"]),
         help="How they are drawn: continuous in the random numbers, or cheaper. Both are exact.",
     )
-    @click.option("--bounded", is_flag=True, help="Only normals that reflect upwards (ggx).")
+    @click.option("--bounded", is_flag=True, help="Fewer normals that reflect below the horizon (ggx).")
     @functools.wraps(command)
     def wrapped(
         visible: float | None, phi: float | None, scheme: str | None, bounded: bool, **rest: Any

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from microfacet import _checks
-from microfacet._report import _cross, _figures, _formulas, _parameters, _svg
+from microfacet._report import _cross, _figures, _formulas, _parameters, _sampling, _svg
 from microfacet._report._figures import FigureBlock
 
 __all__ = ["CheckGroup", "Content", "FamilySection", "collect"]
 
-_FIGURES_PER_FAMILY = 5
+_FIGURES_PER_FAMILY = 8
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,9 @@ def collect(
         sections = []
         for family in families:
             figures = []
-            for figure in _figures.family_figures(family, _parameters.example(family, parameters)):
+            example = _parameters.example(family, parameters)
+            drawn = (_figures.family_figures(family, example), _sampling.sampling_figures(family, example))
+            for figure in itertools.chain(*drawn):
                 step(f"{family.title}: figures")
                 figures.append(figure)
             sections.append(FamilySection(family, _formulas.load().families[family.name], tuple(figures)))
