@@ -1,11 +1,12 @@
 """What is measured: the table of kernels, and how one is bound to arrays.
 
-A kernel comes in one of four forms:
+A kernel comes in one of five forms:
 
     u        the ufunc of the family on cosines, parameters constant
     x, y, z  the frozen distribution on separate arrays of a direction's components
     varying  as u, with every parameter an array
     xi       samples from uniform random numbers
+    w, xi    samples of the normals that directions see, one for each
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ PARAMETERS: dict[str, dict[str, float]] = {
     "k0": {"alpha": 0.3},
     "bessel_k": {"alpha": 0.3, "a": 1.7},
 }
+#: Samplers of visible normals, by their scheme.
+VISIBLE = {"sample_visible": "continuous", "sample_visible_mixture": "mixture"}
 #: Where varying parameters are drawn from, evenly.
 INTERVALS = {
     "alpha": (0.1, 1.0),
@@ -68,6 +71,7 @@ def _table() -> tuple[Kernel, ...]:
         *(Kernel(family, quantity, "varying") for family in shaped for quantity in ("Lambda", "sigma")),
         *(Kernel(family, "sample_slope", "xi") for family in families),
         *(Kernel(family, "sample", "xi") for family in families),
+        *(Kernel(family, quantity, "w, xi") for family in families for quantity in VISIBLE),
     )
 
 
@@ -101,8 +105,8 @@ class Inputs:
 
     @cached_property
     def xi(self) -> Array:
-        """Uniform random numbers (2, length): what a distribution samples from, transposed."""
-        return np.stack((self._random(2), self._random(3)))
+        """Uniform random numbers (3, length): what a distribution samples from, transposed."""
+        return np.stack([self._random(seed) for seed in (2, 3, 9)])
 
     @cached_property
     def direction(self) -> tuple[Array, Array, Array]:
@@ -110,6 +114,11 @@ class Inputs:
         azimuth, s = 2 * np.pi * self._random(4), np.sqrt(1 - self.u**2)
         x, y = s * np.cos(azimuth), s * np.sin(azimuth)
         return x.astype(self.dtype), y.astype(self.dtype), self.u
+
+    @cached_property
+    def directions(self) -> Array:
+        """The same (3, length), in one piece."""
+        return np.stack(self.direction)
 
     @cached_property
     def out(self) -> Array:
@@ -152,7 +161,11 @@ def bind(kernel: Kernel, inputs: Inputs, part: slice = slice(None)) -> partial[A
     """The call that evaluates `kernel` on a part of `inputs` and writes into arrays that exist."""
     if kernel.quantity == "sample":
         sample = distribution(kernel.family).sample
-        return partial(sample, inputs.xi[:, part].T, out=inputs.normals[:, part].T)
+        return partial(sample, inputs.xi[:2, part].T, out=inputs.normals[:, part].T)
+    if kernel.quantity in VISIBLE:
+        visible = partial(distribution(kernel.family).sample_visible, scheme=VISIBLE[kernel.quantity])
+        given = (inputs.directions[:, part].T, inputs.xi[:, part].T)
+        return partial(visible, *given, out=inputs.normals[:, part].T)
     if kernel.form == "x, y, z":
         function = getattr(distribution(kernel.family), kernel.quantity)
     else:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from .kernels import PARAMETERS, Call, Inputs, Kernel, bind
+from .kernels import PARAMETERS, VISIBLE, Call, Inputs, Kernel, bind
 from .machine import cores
 from .suite import Measurement
 from .threads import parts, together
@@ -25,8 +25,12 @@ from .timing import Contender, interleave
 VARIANT = "llvm_ad_rgb"
 TITLES = {"beckmann": "Beckmann", "ggx": "GGX"}
 QUANTITIES = ("D", "G1", "sample")
-#: In the order in which they are tried.
-NAMES = tuple(f"{family}.{quantity}" for quantity in QUANTITIES for family in ("ggx", "beckmann"))
+#: In the order in which they are tried. Mitsuba samples visible normals of GGX and Beckmann; beside the other
+#: families stands its Beckmann.
+NAMES = (
+    *(f"{family}.{quantity}" for quantity in QUANTITIES for family in ("ggx", "beckmann")),
+    *(f"{family}.{quantity}" for family in PARAMETERS for quantity in VISIBLE),
+)
 ADVICE = (
     "Dr.Jit needs an LLVM library newer than 15: install one (Debian: apt install libllvm19) or name it in "
     "DRJIT_LIBLLVM_PATH"
@@ -43,14 +47,15 @@ class Renderer:
         mitsuba.set_variant(VARIANT)
         self.drjit, self.mitsuba = drjit, mitsuba
         self.direction = mitsuba.Vector3f(*(mitsuba.Float(a) for a in inputs.direction))
-        self.xi = mitsuba.Point2f(*(mitsuba.Float(a) for a in inputs.xi))
+        self.xi = mitsuba.Point2f(*(mitsuba.Float(a) for a in inputs.xi[:2]))
         drjit.eval(self.direction, self.xi)
 
     def expression(self, name: str) -> Callable[[], Any]:
         """The unevaluated result of ``family.quantity``."""
         family, quantity = name.split(".")
-        kind = getattr(self.mitsuba.MicrofacetType, TITLES[family])
-        ndf = self.mitsuba.MicrofacetDistribution(kind, PARAMETERS[family]["alpha"], False)
+        kind = getattr(self.mitsuba.MicrofacetType, TITLES.get(family, "Beckmann"))
+        alpha = PARAMETERS[family]["alpha"]
+        ndf = self.mitsuba.MicrofacetDistribution(kind, alpha, quantity in VISIBLE)
         normal = self.mitsuba.Vector3f(0, 0, 1)
         if quantity == "D":
             return partial(ndf.eval, self.direction)
@@ -91,20 +96,23 @@ def llvm() -> str:
 def counterpart(name: str) -> Kernel:
     """The same evaluation by this library."""
     family, quantity = name.split(".")
-    return Kernel(family, quantity, "xi" if quantity == "sample" else "x, y, z")
+    form = "w, xi" if quantity in VISIBLE else "xi" if quantity == "sample" else "x, y, z"
+    return Kernel(family, quantity, form)
 
 
-def deviation(name: str, renderer: Renderer, inputs: Inputs) -> float:
+def deviation(name: str, renderer: Renderer, inputs: Inputs) -> float | None:
     """Largest relative difference between Mitsuba and this library in float64 where the value is ordinary.
 
-    Of samples: the largest difference between cosines.
+    Of samples: the largest difference between cosines; None where normals are drawn in another way.
     """
+    if counterpart(name).quantity in VISIBLE and name != "beckmann.sample_visible":
+        return None
     value = renderer.call(name)()
     wide = Inputs(inputs.length, "float64")
     wide.direction = tuple(a.astype(np.float64) for a in inputs.direction)
     wide.xi = inputs.xi.astype(np.float64)
     exact = bind(counterpart(name), wide)()
-    if name.endswith("sample"):
+    if counterpart(name).form in ("xi", "w, xi"):
         return float(np.max(abs(np.array(value.z, dtype=np.float64) - exact[:, 2])))
     ordinary = exact > 1e-6
     return float(np.max(abs(np.array(value, dtype=np.float64)[ordinary] / exact[ordinary] - 1)))
@@ -129,7 +137,7 @@ def measure(name: str, renderer: Renderer, inputs: Inputs, threads: int, seconds
     return Measurement.of(name, inputs, times, threads)
 
 
-def run(names: tuple[str, ...], length: int, seconds: float) -> Iterator[tuple[Measurement, float]]:
+def run(names: tuple[str, ...], length: int, seconds: float) -> Iterator[tuple[Measurement, float | None]]:
     """Measure `names` on one thread and on all, with the deviation of Mitsuba's values from ours."""
     inputs = Inputs(length, "float32")
     renderer = Renderer(inputs)

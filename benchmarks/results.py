@@ -19,7 +19,7 @@ class Results:
     date: str
     measurements: list[Measurement] = field(default_factory=list)
     mitsuba: list[Measurement] = field(default_factory=list)
-    deviations: dict[str, float] = field(default_factory=dict)  # of Mitsuba's values from ours
+    deviations: dict[str, float | None] = field(default_factory=dict)  # of Mitsuba's values from ours
     scaling: dict[str, Any] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)  # what was left out, and why
 

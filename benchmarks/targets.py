@@ -55,6 +55,9 @@ def _table() -> Iterator[Target]:
     yield Target("beckmann.D", "float32", "Mitsuba", 0.85)
     yield Target("ggx.D", "float32", "Mitsuba", 1.2)
     yield Target("beckmann.G1", "float32", "Mitsuba", 0.55)
+    visible = {"beckmann": 3, "ggx": 1.2, "student_t": 1, "k0": 1, "bessel_k": 0.5, "gtr": 0.5}
+    for family, ratio in visible.items():
+        yield Target(f"{family}.sample_visible", "float32", "Mitsuba", ratio)
 
 
 TARGETS = tuple(_table())

@@ -24,12 +24,12 @@ Array = NDArray[np.float64]
 INCIDENCES = (30.0, 75.0, 95.0)  # degrees; the last looks up from below the horizon
 GRAZING = 85.0
 ROUGHNESSES = (0.1, 0.4, 0.8)
-ANGLES = np.linspace(0.0, GRAZING, 18)
+ANGLES = np.linspace(0.0, GRAZING, 14)
 METAL = (0.2, 3.9)  # index of refraction and absorption, about those of copper in red light
 _SLOPES = 200_000
-_NORMALS = 1_000_000
+_NORMALS = 400_000
 _BINS = 60
-_WEIGHTS = 14  # log2 of the points for each variance
+_WEIGHTS = 13  # log2 of the points for each variance
 
 
 def sampling_figures(family: Any, example: Example) -> Iterator[FigureBlock]:
@@ -63,7 +63,7 @@ def _slopes(family: Any, ndf: Any) -> FigureBlock:
     def draw(ax: Axes, log: bool) -> None:
         for (degrees, heights, edges), (color, _) in zip(drawn, SERIES, strict=False):
             ax.stairs(heights, edges, fill=True, color=color, alpha=0.25, baseline=1e-12 if log else 0.0)
-            p = np.linspace(edges[0], edges[-1], 402)  # even: p = 0 may be singular
+            p = np.linspace(edges[0], edges[-1], 202)  # even: p = 0 may be singular
             density = visible_slope_density(ndf, _towards(degrees), p)
             ax.plot(p, density, color=color, label=f"{degrees:g}°")
         ax.set(xlabel="slope $p$ in the plane of incidence", ylabel="density", xlim=(edges[0], edges[-1]))
@@ -108,12 +108,7 @@ def _picture(family: Any, ndf: Any) -> FigureBlock:
     somewhere = np.where(inside[..., None], centres, [0.0, 0.0, 1.0])
     exact = np.where(inside, ndf.pdf_visible(somewhere, w), np.nan)
     top = float(np.max(exact[np.isfinite(exact)]))
-    shown: dict[str, Any] = {
-        "norm": LogNorm(1e-4 * top, top),
-        "cmap": "viridis",
-        "extent": (-1, 1, -1, 1),
-        "origin": "lower",
-    }
+    shown: dict[str, Any] = {"norm": LogNorm(1e-4 * top, top), "extent": (-1, 1, -1, 1), "origin": "lower"}
 
     def image(name: str, values: Array, words: str) -> str:
         figure = Figure(figsize=(5.4, 4.6))
