@@ -16,7 +16,7 @@ import pytest
 
 import microfacet as mf
 from microfacet import _checks, _report
-from microfacet._report import _figures, _formulas, _mathml, _page, _parameters, _svg
+from microfacet._report import _figures, _formulas, _mathml, _page, _parameters, _sampling, _svg
 from microfacet._report._sources import SOURCES
 
 ROOT = Path(__file__).parent.parent
@@ -330,3 +330,51 @@ def test_sources_agree_with_the_bibliography() -> None:
         assert f"{source.year}" in entries[key], key
         doi = re.search(r"doi\s*=\s*\{([^}]*)\}", entries[key])
         assert source.doi == (doi.group(1) if doi else ""), key
+
+
+# Sampling
+
+
+def test_visible_normals_have_their_figures(page: Page) -> None:
+    shown = {element["attrs"]["id"] for element in page.all("figure")}
+    for family in ("k0", "beckmann"):
+        assert {f"fig-{family}-{what}" for what in ("visible-slopes", "visible-normals", "noise")} <= shown
+    assert "sampled normals seen from three directions" in page.html
+
+
+@pytest.mark.parametrize("degrees", [0.0, 75.0, 95.0])
+def test_the_density_of_visible_slopes_is_that_of_their_distribution_function(degrees: float) -> None:
+    ndf, w = mf.StudentT(alpha=0.5, gamma=2.2), _sampling._towards(degrees)
+    p = np.linspace(-3.0, 1.0, 4001)
+    density = _sampling.visible_slope_density(ndf, w, p)
+    grown = np.diff(mf.testing.visible_slope_cdf(ndf, w, p))
+    smooth = np.abs(w[0] * p[1:] - w[2]) > 2e-3  # the density has a kink where facets turn away
+    steps = 0.5 * (density[1:] + density[:-1]) * np.diff(p)
+    np.testing.assert_allclose(steps[smooth], grown[smooth], atol=2e-7)
+
+
+def test_the_picture_of_normals_has_equal_areas() -> None:
+    centres, inside, area = _sampling._disc()
+    np.testing.assert_allclose(np.linalg.norm(centres[inside], axis=-1), 1.0, rtol=1e-14)
+    assert np.count_nonzero(inside) * area == pytest.approx(2.0 * np.pi, rel=5e-3)
+    assert np.mean(centres[inside][:, 2]) == pytest.approx(0.5, abs=5e-3), "of an even density"
+
+
+def test_both_samplers_estimate_the_same_light_and_visible_normals_with_less_noise() -> None:
+    points = np.random.default_rng(2).random((200_000, 3))
+    for ndf in (mf.GGX(alpha=0.4), mf.K0(alpha=0.4)):
+        for degrees in (20.0, 80.0):
+            seen, every = (
+                _sampling.conductor_noise(ndf, degrees, visible, points) for visible in (True, False)
+            )
+            error = np.hypot(seen[1], every[1]) / np.sqrt(len(points))
+            assert abs(seen[0] - every[0]) < 4.5 * error
+            assert 0.5 < seen[0] < 1.0, "what a metal reflects"
+            assert seen[1] < every[1]
+
+
+def test_the_metal_reflects_as_metals_do() -> None:
+    """At normal incidence ((n - 1)^2 + k^2)/((n + 1)^2 + k^2), everything at grazing incidence."""
+    n, k = _sampling.METAL
+    assert _sampling._fresnel(np.array(1.0)) == pytest.approx(((n - 1) ** 2 + k * k) / ((n + 1) ** 2 + k * k))
+    assert _sampling._fresnel(np.array(0.0)) == pytest.approx(1.0)
