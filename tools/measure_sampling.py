@@ -1,12 +1,14 @@
 """Test every sampler of the full grid and write docs/sampling_tests.md.
 
-    python tools/measure_sampling.py [--samples 1000000] [--jobs 2] [--only 'ggx*'] [--output FILE]
+    python tools/measure_sampling.py [--samples 1000000] [--jobs 2] [--only 'ggx*'] [--state FILE]
 
-The grid is that of tests/sampling_cases.py. Exit status 1 when a sampler fails.
+The grid is that of tests/sampling_cases.py. With --state an interrupted run goes on where it was. Exit status
+1 when a sampler fails.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Iterator
@@ -58,6 +60,19 @@ class Outcome:
     slope: float | None
     mass: float
     passed: bool
+
+    def line(self) -> str:
+        """For a file of outcomes."""
+        return json.dumps([str(self.case), self.chi2, self.slope, self.mass, self.passed]) + "\n"
+
+
+def _known(state: Path | None, cases: list[Case]) -> dict[Case, Outcome]:
+    """What an earlier run has found."""
+    if state is None or not state.exists():
+        return {}
+    by_name = {str(case): case for case in cases}
+    records = map(json.loads, state.read_text(encoding="utf-8").splitlines())
+    return {by_name[name]: Outcome(by_name[name], *rest) for name, *rest in records if name in by_name}
 
 
 def _run(case: Case, samples: int, tests: int) -> Outcome:
@@ -129,24 +144,33 @@ def _document(outcomes: list[Outcome], samples: int, tests: int) -> str:
 @click.option("--jobs", type=click.IntRange(1), default=os.cpu_count() or 1, help="Processes; all cores.")
 @click.option("--only", metavar="PATTERN", default="*", help="Only these cases, as '*student_t*float32'.")
 @click.option(
+    "--state",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Keep outcomes here, and go on from them.",
+)
+@click.option(
     "--output", type=click.Path(dir_okay=False, path_type=Path), default=ROOT / "docs" / "sampling_tests.md"
 )
-def main(samples: int, jobs: int, only: str, output: Path) -> None:
+def main(samples: int, jobs: int, only: str, state: Path | None, output: Path) -> None:
     """Test the samplers of the full grid. The page of a part is printed instead of written."""
     console = Console(stderr=True)
     cases = [case for case in sampling_cases.cases() if fnmatchcase(str(case), only)]
     tests = sum(1 + case.has_slope for case in cases)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    outcomes = []
+    found = _known(state, cases)
+    left = [case for case in cases if case not in found]
     with Progress(*columns, console=console) as progress, ProcessPoolExecutor(jobs) as pool:
-        task = progress.add_task("samplers", total=len(cases))
-        for outcome in pool.map(_run, cases, [samples] * len(cases), [tests] * len(cases), chunksize=4):
-            outcomes.append(outcome)
+        task = progress.add_task("samplers", total=len(cases), completed=len(found))
+        for outcome in pool.map(_run, left, [samples] * len(left), [tests] * len(left), chunksize=4):
+            found[outcome.case] = outcome
+            if state:
+                with state.open("a", encoding="utf-8") as file:
+                    file.write(outcome.line())
             progress.update(task, advance=1, description=outcome.case.family)
             if not outcome.passed:
-                console.print(
-                    f"failed: {outcome.case}: p {outcome.chi2:.2g}, {outcome.slope}", soft_wrap=True
-                )
+                said = f"failed: {outcome.case}: p {outcome.chi2:.2g}, {outcome.slope}"
+                console.print(said, soft_wrap=True)
+    outcomes = [found[case] for case in cases]
     text = _document(outcomes, samples, tests)
     if only == "*":
         output.write_text(text, encoding="utf-8")
