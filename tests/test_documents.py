@@ -54,23 +54,26 @@ def test_accuracy_is_documented_for_every_function() -> None:
         assert re.search(rf"\b{name}\b", text), name
 
 
-def test_readme_runs(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("document", ["README.md", "docs/sampling.md"])
+def test_the_code_of_a_document_runs(
+    document: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(
-        r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.DOTALL
+        r"```python\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), flags=re.DOTALL
     )
     assert blocks
     names: dict[str, Any] = {}
     for block in blocks:
         if ">>>" in block:
-            test = doctest.DocTestParser().get_doctest(block, names, "README.md", "README.md", 0)
+            test = doctest.DocTestParser().get_doctest(block, names, document, document, 0)
             outcome = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(
                 test, clear_globs=False
             )
             assert outcome.failed == 0
             names.update(test.globs)
         else:
-            exec(compile(block, "README.md", "exec"), names)
+            exec(compile(block, document, "exec"), names)
 
 
 @pytest.mark.skipif(COMPILER is None, reason="there is no C++ compiler")
