@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 import microfacet as mf
 import sampling_cases
-from microfacet.testing import chi2, ks_visible_slope
 from microfacet.testing._cells import DOMAINS, Cells
 from microfacet.testing._quadrature import integrate
 from sampling_cases import Case
@@ -57,17 +56,6 @@ def test_samples_follow_the_density(case: Case) -> None:
 def test_visible_slopes_follow_their_distribution(case: Case) -> None:
     result = case.slope(SAMPLES, TESTS)
     assert result, result
-
-
-@pytest.mark.parametrize("degrees", [20, 89, 100])
-def test_a_density_of_ones_own(degrees: float) -> None:
-    ndf = mf.RadialNDF(lambda r: np.exp(-(r**4)), alpha_x=0.3, alpha_y=0.5, rotation=0.4)
-    w = towards(degrees, 70)
-    options: dict[str, Any] = {"n": SAMPLES, "tests": 6, "dims": ndf.visible_dims}
-    result = chi2(lambda xi: ndf.sample_visible(w, xi), lambda m: ndf.pdf_visible(m, w), **options)
-    assert result, result
-    slopes = ks_visible_slope(ndf, w, n=SAMPLES, tests=6)
-    assert slopes, slopes
 
 
 WHITE = [
