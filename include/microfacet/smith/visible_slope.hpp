@@ -17,32 +17,38 @@
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
+#include "microfacet/family/radial.hpp"
+#include "microfacet/smith/visible_point.hpp"
 
 namespace microfacet {
 
 namespace detail {
 
 template <class Family, class T>
-class visible_slope_solver {
+class visible_slope_solver : visible_functions<Family, T> {
+  using base = visible_functions<Family, T>;
+  using base::at, base::excess, base::moment, base::log_slope, base::fall, base::family_;
+  using typename base::point;
   using Mask = decltype(T(0) < T(0));
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
 
  public:
   visible_slope_solver(const Family& family, const T& x, const T& share)
-      : family_(family),
+      : base(family),
         x_(x),
         nothing_(T(0) * (x + share)),
         below_(x <= T(0)),
         start_(select(below_, T(-x), T(0))),
         c_(select(below_, T(0), x)),
-        sf_start_(family.sf_over_density(start_)),
-        excess_(
-            family.excess_over_density(abs(x), select(below_, sf_start_, family.sf_over_density(abs(x))))) {
-    const T above = upper(start_, T(0), sf_start_);
+        at_start_(at(start_)),
+        at_x_(at(abs(x))) {
+    const T above = upper(at_start_, T(0));
     T under(0);
     if (any(!below_)) {
-      const T all =
-          lower(family_.near(start_, c_, sf_start_), family_.near_moments(start_, c_), start_, c_, sf_start_);
+      const auto near = family_.near(start_, c_, at_start_.sf);
+      near_integrals<T> s{T(0), T(0)};
+      if (any(near)) s = family_.near_moments(start_, c_);
+      const T all = lower(near, s, at_start_, c_);
       under = select(below_, T(0), all);
     }
     const T whole = above + under, rest = T(1) - share;
@@ -78,12 +84,12 @@ class visible_slope_solver {
   }
 
   // Over P2(t), the probability of what lies above t = start + v, and of what lies below -t = d - x.
-  T upper(const T& t, const T& v, const T& sf) const {
-    return unless(below_, T(multiply_add(x_, sf, family_.moment_over_density(t, sf))),
-                  [&] { return multiply_add(v, sf, family_.excess_over_density(t, sf)); });
+  T upper(const point& p, const T& v) const {
+    return unless(below_, T(multiply_add(x_, p.sf, moment(p))),
+                  [&] { return multiply_add(v, p.sf, excess(p)); });
   }
-  T lower(const Mask& near, const near_integrals<T>& s, const T& t, const T& d, const T& sf) const {
-    const T general = (d * sf - family_.excess_over_density(t, sf)) + excess_ * exp(-family_.fall(t, d));
+  T lower(const Mask& near, const near_integrals<T>& s, const point& p, const T& d) const {
+    const T general = (d * p.sf - excess(p)) + excess(at_x_) * exp(-fall(p, at_x_, d));
     return select(near, T(d * s.mass - s.moment), general);
   }
 
@@ -92,9 +98,9 @@ class visible_slope_solver {
     const T b = c_ / part_, root = sqrt(depth_);
     const T s0 = T(2) * depth_ / (b + sqrt(b * b + T(4) * depth_) + smallest<T>());
     const T t1 = family_.survival_radius(maximum(T(depth_ - log1p(b * s0)), T(0)));
-    const T width = abs(x_) * sqrt(T(2) * excess_) / (excess_ + abs(x_) * sf_start_);
+    const T J = excess(at_x_), width = abs(x_) * sqrt(T(2) * J) / (J + abs(x_) * at_start_.sf);
     const T grown = select(below_, T(width * root * (T(1) + width * root * T(1.0 / 3))), T(0));
-    const T ratio = select(below_, T(1), T(family_.moment_over_density(T(0), sf_start_) / part_));
+    const T ratio = select(below_, T(1), T(moment(at_start_) / part_));
     const T change = grown / (T(1) + family_.inverse_tail() * grown) * ratio + (ratio - T(1));
     const T t2 = family_.moment_radius(start_, maximum(T(depth_ + log1p(change)), T(0)));
     const T above = select(below_, t2, maximum(t1, t2));
@@ -103,30 +109,31 @@ class visible_slope_solver {
       const T less = minimum(t1, by_angle), more = maximum(maximum(t1, by_angle), smallest<T>());
       const T blend = less / (T(1) + T(0.19) * square(square(T(less / more))));
       // At its end the probability is P2(x) (x - v)^2/2.
-      const T end = x_ - sqrt(T(2) * part_ * exp(family_.fall(T(0), abs(x_)) - depth_));
+      const T end = x_ - sqrt(T(2) * part_ * exp(fall(at_start_, at_x_, abs(x_)) - depth_));
       return select(end > T(0.5) * x_, end, blend);
     };
     return unless(on_lower_, above, under);
   }
 
   T next(const T& v) const {
-    const T t = start_ + v, sf = family_.sf_over_density(t), slope = family_.log_slope(t, sf);
+    const T t = start_ + v;
+    const point p = at(t);
     const T least = maximum(T(abs(x_) * T(single ? 0x1p-30 : 0x1p-60)), T(smallest<T>() * T(4096)));
     const T d = maximum(select(on_lower_, T(c_ - v), T(c_ + v)), least);
     // Close to its end each side is an integral over little, else the difference of two.
     const T origin = select(on_lower_, t, start_), distance = select(on_lower_, d, v);
-    const auto near = family_.near(origin, distance, select(on_lower_, sf, sf_start_));
+    const auto near = family_.near(origin, distance, select(on_lower_, p.sf, at_start_.sf));
     near_integrals<T> s{T(0), T(0)};
     if (any(near)) s = family_.near_moments(origin, distance);
-    const T N = unless(on_lower_, upper(t, v, sf), [&] { return lower(near, s, t, d, sf); });
+    const T N = unless(on_lower_, upper(p, v), [&] { return lower(near, s, p, d); });
     const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
     const auto small = near & !on_lower_;
-    const T r = select(small, T(0), T(depth_ - family_.fall(start_, v))) +
+    const T r = select(small, T(0), T(depth_ - fall(at_start_, p, v))) +
                 log_sum(select(small, T(1), T(N / part_)), select(small, change, T(0)));
 
     const T per_d = N / d, twice = select(on_lower_, T(T(2) * per_d / d), T(0));
     const T newton =
-        r * N / minimum(maximum(T(T(1) + T(0.5) * r * (T(1) + slope * per_d - twice)), T(0.5)), T(2));
+        r * N / minimum(maximum(T(T(1) + T(0.5) * r * (T(1) + log_slope(p) * per_d - twice)), T(0.5)), T(2));
     const T square_change = maximum(newton, T(T(-0.48) * d * d));
     const T step = T(2) * square_change / (sqrt(d * d + T(2) * square_change) + d);
     const auto by_ratio = [&] { return T(d * relative_step(T(newton / (d * d)))); };
@@ -143,10 +150,10 @@ class visible_slope_solver {
     return z / (T(1) + z * (T(0.5) + z * T(1.0 / 12)));
   }
 
-  const Family& family_;
   T x_, nothing_;
   Mask below_;
-  T start_, c_, sf_start_, excess_;
+  T start_, c_;
+  point at_start_, at_x_;
   Mask on_lower_;
   T part_, depth_, between_;
 };

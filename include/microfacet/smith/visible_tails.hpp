@@ -22,17 +22,15 @@ class visible_tails {
 
   // Smaller probabilities leave the range of P2.
   static T least_share() { return T(single ? 1e-30 : 1e-250); }
-  T sf_over_density(const T& t) const { return family_.slope_sf(slope<T>(off_zero(t))) / density(t); }
-  T excess_over_density(const T& t, const T&) const {
-    return family_.slope_excess(slope<T>(off_zero(t))) / density(t);
-  }
-  T moment_over_density(const T& t, const T& sf) const { return excess_over_density(t, sf) + t * sf; }
+  T density(const T& t) const { return maximum(family_.P2(slope<T>(off_zero(t))), smallest<T>()); }
+  T slope_sf(const T& t) const { return family_.slope_sf(slope<T>(off_zero(t))); }
+  T slope_excess(const T& t) const { return family_.slope_excess(slope<T>(off_zero(t))); }
+  T sf_over_density(const T& t) const { return slope_sf(t) / density(t); }
   // Nearly: exact for an exponential, and far out for a power and a Gaussian.
-  T log_slope(const T& t, const T& sf) const {
-    const T ratio = sf * sf / excess_over_density(t, sf);
+  T log_slope(const T& t, const T& sf, const T& excess) const {
+    const T ratio = sf * sf / excess;
     return (ratio - T(2)) * t * t / (sf * (t * t + T(0.25) * sf * sf));
   }
-  T fall(const T& t, const T& v) const { return log(density(t) / density(T(t + v))); }
   T survival_radius(const T& depth) const {
     if constexpr (requires { family_.radius_at_odds(depth); }) {
       return family_.radius_at_odds(expm1(depth));
@@ -46,7 +44,7 @@ class visible_tails {
     }
   }
   T moment_radius(const T& t, const T& depth) const {
-    const T sf = sf_over_density(t), moment = moment_over_density(t, sf);
+    const T moment = slope_excess(t) / density(t) + t * sf_over_density(t);
     // As of a Gaussian: exact for small depths.
     const T twice = T(2) * depth * moment;
     const T light = twice / (t + sqrt(t * t + twice) + smallest<T>());
@@ -137,7 +135,6 @@ class visible_tails {
 
  private:
   static T off_zero(const T& t) { return maximum(t, T(single ? 1e-30 : 1e-200)); }
-  T density(const T& t) const { return maximum(family_.P2(slope<T>(off_zero(t))), smallest<T>()); }
 
   const Family& family_;
 };
