@@ -138,7 +138,7 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T step = T(2) * square_change / (sqrt(d * d + T(2) * square_change) + d);
     const auto by_ratio = [&] { return T(d * relative_step(T(newton / (d * d)))); };
     const T moved = v + unless(on_lower_, step, by_ratio);
-    return minimum(maximum(moved, T(0)), largest_slope<T>());
+    return minimum(maximum(moved, T(T(0x1p-10) * v)), largest_slope<T>());
   }
   static T log_sum(const T& a, const T& b) {
     const twofold<T> sum = exact_sum(a, b);
