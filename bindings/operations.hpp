@@ -62,22 +62,29 @@ struct normal_sample {
 };
 
 // Normals that a direction sees.
-#define MICROFACET_VISIBLE(TYPE, NAME, FUNCTION)                                       \
+#define MICROFACET_VISIBLE(TYPE, NAME, FUNCTION, UNIFORMS, ...)                        \
   struct TYPE {                                                                        \
     static constexpr const char* name = NAME;                                          \
     static constexpr unsigned needs = of_all | of_visible;                             \
     static constexpr bool samples_visible = true;                                      \
-    static constexpr layout<6, 3> shape{};                                             \
+    static constexpr layout<3 + UNIFORMS, 3> shape{};                                  \
     template <class Distribution, class T>                                             \
     MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) { \
-      const vec3<T> m = FUNCTION(ndf, vec3<T>{x[0], x[1], x[2]}, x[3], x[4], x[5]);    \
+      const vec3<T> m = FUNCTION(ndf, vec3<T>{x[0], x[1], x[2]}, __VA_ARGS__);         \
       out[0] = m.x, out[1] = m.y, out[2] = m.z;                                        \
     }                                                                                  \
   };
-MICROFACET_VISIBLE(visible_sample, "sample_visible", sample_visible)
-MICROFACET_VISIBLE(visible_sample_of_mixture, "sample_visible_mixture", sample_visible_mixture)
-MICROFACET_VISIBLE(bounded_sample, "sample_visible_bounded", sample_visible_bounded)
+MICROFACET_VISIBLE(direct_visible_sample, "sample_visible", sample_visible, 3, x[3], x[4], x[5])
+MICROFACET_VISIBLE(direct_visible_sample_of_mixture, "sample_visible_mixture", sample_visible_mixture, 4,
+                   x[3], x[4], x[5], x[6])
+MICROFACET_VISIBLE(bounded_sample, "sample_visible_bounded", sample_visible_bounded, 3, x[3], x[4], x[5])
 #undef MICROFACET_VISIBLE
+struct visible_sample : direct_visible_sample {
+  static constexpr bool solves = true;  // unless in closed form
+};
+struct visible_sample_of_mixture : direct_visible_sample_of_mixture {
+  static constexpr bool composes = true;  // in float32, from tables
+};
 struct bounded_pdf {
   static constexpr const char* name = "pdf_visible_bounded";
   static constexpr unsigned needs = of_all;
@@ -98,10 +105,10 @@ bool add_visible_operations(PyObject* space, const char* prefix) {
   using family = typename Model::family;
   if constexpr (samples_visible<family> && family::shape_invariant == (Model::scales == 2)) {
     if (!add_all<Model, true, visible_sample>(space, prefix)) return false;
-    if constexpr (requires { &family::sf_over_density; }) {
+    if constexpr (requires { family::mixture_dimensions; }) {
       if (!add_all<Model, true, visible_sample_of_mixture>(space, prefix)) return false;
     }
-    if constexpr (requires { &family::bounded_slopes; }) {
+    if constexpr (requires { &family::bounded_facet; }) {
       if (!add_all<Model, true, bounded_sample, bounded_pdf>(space, prefix)) return false;
     }
   }

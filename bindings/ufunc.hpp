@@ -36,6 +36,7 @@
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/sample_normal.hpp"
 #include "microfacet/smith/sample_visible_bounded.hpp"
+#include "microfacet/smith/sample_visible_mixture.hpp"
 #include "models.hpp"
 
 namespace microfacet::bindings {
@@ -75,12 +76,15 @@ struct ufunc_loops {
   }
 
   // Neither samplers that iterate nor tables that are searched are a chain that a call would interrupt.
-  static constexpr bool long_kernel = requires { Operation::samples_visible; };
+  static constexpr bool of_visible_normals = requires { Operation::samples_visible; };
+  static constexpr bool iterates = requires { Operation::solves; } && !requires {
+    &Model::family::visible_slopes_of;
+  } && !requires { &Model::family::visible_facet; };
   static constexpr bool searches = requires { typename Model::tag::template table_density<lanes<float>>; };
 
   template <class Lanes, class Distribution>
   static constexpr block_kernel<lane_of<Lanes>> table_kernel() {
-    if constexpr (long_kernel || searches) {
+    if constexpr (iterates || searches) {
       return &evaluate_constant<Operation, Lanes, Distribution>;
     } else {
       return &evaluate_flat<Operation, Lanes, Distribution>;
@@ -88,7 +92,7 @@ struct ufunc_loops {
   }
   template <class Lanes, class Distribution>
   static constexpr block_kernel<lane_of<Lanes>> own_kernel() {
-    if constexpr (Model::family::costly == 0 && !long_kernel) {
+    if constexpr (Model::family::costly == 0 && !iterates) {
       return &evaluate_flat<Operation, Lanes, Distribution>;
     } else {
       return &evaluate_constant<Operation, Lanes, Distribution>;
@@ -113,7 +117,7 @@ struct ufunc_loops {
   // A normal on the horizon by rounding alone stays above it.
   template <class Compute, class T>
   static void keep_above(char* const* args, const npy_intp* steps, npy_intp n) {
-    if constexpr (requires { Operation::samples_visible; } && !std::is_same_v<Compute, T>) {
+    if constexpr (of_visible_normals && !std::is_same_v<Compute, T>) {
       for (npy_intp i = 0; i < n; ++i) {
         T& z = *reinterpret_cast<T*>(args[inputs + 2] + i * steps[inputs + 2]);
         if (z == T(0)) z = smallest<T>();
@@ -140,7 +144,7 @@ struct ufunc_loops {
     const parameter_values<Model> numbers = constant_parameters<T>(args);
     const auto tables = prepared_tables<Model, Compute>(numbers.data(), Operation::needs);
     if (tables == nullptr) return false;
-    using table_lanes = lanes<Compute, long_kernel || searches ? 1 : most_registers>;
+    using table_lanes = lanes<Compute, iterates || searches ? 1 : most_registers>;
     const auto d = prepared_distribution<Model, table_lanes>(*tables, numbers);
     in_blocks<Compute, T>(plan, args, steps, n, true, table_kernel<table_lanes, decltype(d)>(), &d);
     keep_above<Compute, T>(args, steps, n);
@@ -186,12 +190,16 @@ struct ufunc_loops {
   static constexpr bool pays_to_prepare() {
     if constexpr (Model::family::costly == 0) {
       return false;
-    } else if constexpr (requires { Operation::samples_visible; }) {
+    } else if constexpr (of_visible_normals) {
       return !requires { &Model::family::sf_over_density; };
     } else {
       return (Operation::needs & ~Model::family::costly) == 0;
     }
   }
+
+  // A family that solves for visible normals by closed forms composes them from tables in float32, faster.
+  static constexpr bool composes_from_tables =
+      requires { Operation::composes && &Model::family::sf_over_density; } && Model::family::costly != 0;
 
   template <class T>
   static void loop(char** args, const npy_intp* dimensions, const npy_intp* steps, void*) {
@@ -204,12 +212,15 @@ struct ufunc_loops {
         const bool fits = std::is_same_v<T, double> || fits_float32(args, steps, 0);
         if (fits ? run_prepared<T, T>(args, steps, n) : run_prepared<double, T>(args, steps, n)) return;
       }
-      if constexpr (long_kernel) {  // from tables alone, in float32 if they need it
+      if constexpr (of_visible_normals) {  // from tables alone, in float32 if they need it
         if (constant && run_prepared<double, T>(args, steps, n)) return;
         return fill_with_nan<T>(args, steps, n);
       }
     }
-    if constexpr (!long_kernel || !pays_to_prepare()) {
+    if constexpr (composes_from_tables && std::is_same_v<T, float>) {
+      if (constant && fits_float32(args, steps, 0) && run_prepared<float, float>(args, steps, n)) return;
+    }
+    if constexpr (!of_visible_normals || !pays_to_prepare()) {
       if constexpr (std::is_same_v<T, float> && Model::family::native_float32) {
         run_in_float32(args, steps, n, constant);
       } else {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include "microfacet/core/math.hpp"
 
@@ -43,6 +44,25 @@ struct fit_precision<double> {
   static constexpr double error = 8e-15, far_error = 3e-13, swing = 30, far_swing = 300;
   static constexpr double rounding = 3e-16, grid = 0x1p40;
 };
+
+namespace detail {
+
+// Calls a function of lanes for n numbers.
+template <class R, class Function>
+void in_lanes(const double* x, double* f, std::size_t n, const Function& function) {
+  constexpr std::size_t width = sizeof(R) / sizeof(double);
+  std::array<double, width> in, out;
+  for (std::size_t i = 0; i < n; i += width) {
+    for (std::size_t j = 0; j < width; ++j) in[j] = x[std::min(i + j, n - 1)];
+    R a;
+    std::memcpy(&a, in.data(), sizeof a);
+    const R b = function(a);
+    std::memcpy(out.data(), &b, sizeof b);
+    std::copy_n(out.data(), std::min(width, n - i), f + i);
+  }
+}
+
+}  // namespace detail
 
 // Any function that stores f(exp(L[i])) for i < n: a table is fitted by one piece of code, whatever is
 // sampled.

@@ -15,6 +15,7 @@
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/family/visible_tables.hpp"
 #include "microfacet/special/erf.hpp"
 
 namespace microfacet {
@@ -85,6 +86,18 @@ class beckmann {
   // The slope across the plane of incidence is independent of that in it.
   static constexpr int visible_dimensions = 2;
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
+  // For smith/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
+  static constexpr int mixture_dimensions = 3;
+  bool composes() const { return true; }
+  T excess_radius(const T& v) const
+    requires(elementary::has_lanes<T>)
+  {
+    static const auto table =
+        detail::excess_radius_table<typename scalar_traits<T>::real>(beckmann<double>());
+    return table(twofold<T>(v));
+  }
+  T moment_beyond(const T& t, const T& xi) const { return sqrt(t * t - log1p(-xi)); }
+  T across_of_tables(const T&, const T& xi, const T&) const { return across_by_quantile(xi); }
 
  private:
   // exp(-x^2) is zero there, but its quotients tend to 1/(2t) and 1/(4t^2).

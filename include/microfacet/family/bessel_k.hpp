@@ -33,7 +33,7 @@ class bessel_k {
   static constexpr bool shape_invariant = true;
   static constexpr bool native_float32 = false;
   static constexpr unsigned costly = of_all;
-  static constexpr int visible_dimensions = 3;
+  static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   static bool sampling_fits_float32(double a) { return a >= 0.5; }
 
   explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(inf)), a)) {}

@@ -53,12 +53,12 @@ class ggx {
 
   // By a uniform point on a spherical cap: two uniforms; the first is 0 where the mirrored direction is +z.
   static constexpr int visible_dimensions = 2;
-  visible_slopes<T> visible_slopes_of(const T& x, const T& xi0, const T& xi1, const T&) const {
-    return spherical_cap<T>(x, T(T(1) - xi0), T(1), xi0).slopes_of_uniform(xi1);
+  vec3<T> visible_facet(const T& wx, const T& wz, const T& xi0, const T& xi1) const {
+    return spherical_cap<T>(wx, wz, T(T(1) - xi0), T(1), xi0).facet_of_uniform(xi1);
   }
   // The cap down to z = -k wz.
-  visible_slopes<T> bounded_slopes(const T& x, const T& k, const T& xi0, const T& xi1) const {
-    return spherical_cap<T>(x, T(T(1) - xi0), k, xi0).slopes_of_uniform(xi1);
+  vec3<T> bounded_facet(const T& wx, const T& wz, const T& k, const T& xi0, const T& xi1) const {
+    return spherical_cap<T>(wx, wz, T(T(1) - xi0), k, xi0).facet_of_uniform(xi1);
   }
 };
 

@@ -32,7 +32,7 @@ class gtr {
   static constexpr bool shape_invariant = false;
   static constexpr bool native_float32 = false;
   static constexpr unsigned costly = of_all & ~of_P22;
-  static constexpr int visible_dimensions = 3;
+  static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
 
   gtr(const T& alpha, const T& gamma)
       : alpha_(where((alpha > T(0)) & (alpha < T(inf)), alpha)),

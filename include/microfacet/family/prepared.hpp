@@ -48,6 +48,22 @@ class prepared {
   }
   MICROFACET_INLINE R radius_at_odds(const R& odds) const { return t_->radius(twofold<R>(odds)); }
   MICROFACET_INLINE const auto& visible() const { return t_->visible; }
+  // For smith/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
+  MICROFACET_INLINE bool composes() const { return t_->visible.complete; }
+  MICROFACET_INLINE R excess_radius(const R& v) const { return t_->visible.excess_radius(twofold<R>(v)); }
+  MICROFACET_INLINE R moment_beyond(const R& t, const R& xi) const {
+    const auto& v = t_->visible;
+    const R odds = R(v.first_moment) / (v.moment(twofold<R>(t)) * (R(1) - xi)) - R(1);
+    return maximum(R(v.moment_radius(twofold<R>(minimum(odds, largest_slope<R>())))), t);
+  }
+  MICROFACET_INLINE R across_of_tables(const R& along, const R& xi, const R& turn) const {
+    const auto& v = t_->visible;
+    const R density = maximum(P2(slope<R>(along)), smallest<R>()), start(v.inverse_P2);
+    const R inverse = minimum(R(R(1) / (density * (R(1) - xi)) - start), largest_slope<R>());
+    const R length = v.marginal_radius(twofold<R>(inverse));
+    const R rest = maximum(R((length - along) * (length + along)), R(0));
+    return sqrt(rest) * elementary::cos_sin_of_turns(R(R(0.5) * turn)).cosine;
+  }
   MICROFACET_INLINE R radius2(const R& xi) const { return square(radius(xi)); }
   MICROFACET_INLINE R P2(const slope<R>& t, const R& factor = R(1)) const {
     return square(R(t_->root_P2(abs(t.value)) * sqrt(factor)));

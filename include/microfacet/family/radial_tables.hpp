@@ -72,21 +72,6 @@ class radial_tables {
 
 namespace detail {
 
-// Calls a function of lanes for n numbers.
-template <class R, class Function>
-void in_lanes(const double* x, double* f, std::size_t n, const Function& function) {
-  constexpr std::size_t width = sizeof(R) / sizeof(double);
-  std::array<double, width> in, out;
-  for (std::size_t i = 0; i < n; i += width) {
-    for (std::size_t j = 0; j < width; ++j) in[j] = x[std::min(i + j, n - 1)];
-    R a;
-    std::memcpy(&a, in.data(), sizeof a);
-    const R b = function(a);
-    std::memcpy(out.data(), &b, sizeof b);
-    std::copy_n(out.data(), std::min(width, n - i), f + i);
-  }
-}
-
 template <class R>
 double first_lane(const R& r) {
   double x;
@@ -187,10 +172,7 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   if (functions & of_slope_excess)
     fill(slope_excess, [&](const R& L) { return samples.slope_excess(L); },
          {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
-  if (functions & of_visible)
-    visible.build(family, [](const double* L, double* f, std::size_t n, const auto& function) {
-      detail::in_lanes<R>(L, f, n, function);
-    });
+  if (functions & of_visible) visible.build(family);
 }
 
 }  // namespace microfacet

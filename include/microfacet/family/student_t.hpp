@@ -117,11 +117,13 @@ class student_t {
   }
   static bool sampling_fits_float32(double gamma) { return gamma >= 2.5; }
   // gamma = 3 takes two uniforms.
-  static constexpr int visible_dimensions = 3;
+  static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   auto has_closed_slopes() const { return k_ == T(2); }
   visible_slopes<T> closed_slopes(const T& x, const T& xi0, const T& xi1) const {
-    const spherical_cap<T> cap(x * T(1 / sqrt_two), T(sqrt(T(1) - xi0)));
-    return cap.slopes_of_cubic(T(sqrt_two), xi1);
+    const T inverse = T(1) / sqrt(T(2) + x * x), scale = T(sqrt_two);
+    const vec3<T> m = spherical_cap<T>(scale * inverse, x * inverse, T(sqrt(T(1) - xi0))).facet_of_cubic(xi1);
+    const T reciprocal = scale / m.z;
+    return {m.x * reciprocal, m.y * reciprocal};
   }
 
  private:

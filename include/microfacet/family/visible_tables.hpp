@@ -1,11 +1,14 @@
-// Two inverses that start the iterations of smith/visible_tails.hpp, as piecewise polynomials: nothing hangs
-// on their last digits.
+// What visible normals take from tables besides the functions of a density. In float32 they are drawn from
+// these tables alone (smith/visible_mixture.hpp); in float64 the inverses of differences have not all digits,
+// and only start the iterations of smith/visible_tails.hpp.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
+#include <limits>
 
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/piecewise.hpp"
@@ -38,6 +41,18 @@ class visible_samples {
       const R t = elementary::exp(y), m = moment(t);
       const R change = (log(m) - target) * m / maximum(R(t * t * P2(t)), R(1e-300));
       y = y + minimum(maximum(change, R(-1)), R(1));
+      if (!any(abs(change) > R(1e-15))) break;
+    }
+    return elementary::exp(y);
+  }
+  R excess_radius(const R& L) const {
+    R y = minimum(R(L + log(all_)), R(R(0.5) * log(log1p(exp(minimum(L, R(600)))))));
+    for (int i = 0; i < 60; ++i) {
+      const R t = elementary::exp(y), J = family_.slope_excess(slope<R>(t));
+      const R change = (y - log(maximum(J, R(1e-300))) - L) /
+                       (R(1) + t * family_.slope_sf(slope<R>(t)) / maximum(J, R(1e-300)));
+      y = y - minimum(maximum(change, R(-1)), R(1));
+      if (!any(abs(change) > R(1e-15))) break;
     }
     return elementary::exp(y);
   }
@@ -46,7 +61,9 @@ class visible_samples {
     R y(0);
     for (int i = 0; i < 80; ++i) {
       const R value = log(P2(elementary::exp(y))), slope = (value - log(P2(elementary::exp(R(y + h))))) / h;
-      y = y + minimum(maximum(R((value - target) / maximum(slope, R(1e-6))), R(-1)), R(1));
+      const R change = (value - target) / maximum(slope, R(1e-6));
+      y = y + minimum(maximum(change, R(-1)), R(1));
+      if (!any(abs(change) > R(1e-14))) break;
     }
     return elementary::exp(y);
   }
@@ -64,6 +81,22 @@ class visible_samples {
   R all_, inverse_peak_;
 };
 
+template <class T>
+using visible_table = piecewise<T, sizeof(T) == 4 ? 8 : 18>;
+
+// t at t/slope_excess(t).
+template <class T, class Family>
+visible_table<T> excess_radius_table(const Family& family) {
+  constexpr bool single = sizeof(T) == 4;
+  const visible_samples<Family> samples(family);
+  const auto sample = [&](const double* L, double* f, std::size_t n) {
+    in_lanes<typename Family::scalar>(L, f, n, [&](const auto& x) { return samples.excess_radius(x); });
+  };
+  constexpr double least = single ? -87 : -700, most = single ? 86 : 690;
+  return piecewise_fit<visible_table<T>>(
+      sample, {least, most, 0, 0, std::numeric_limits<T>::min(), single ? 20.0 : 50.0})();
+}
+
 }  // namespace detail
 
 template <class T>
@@ -71,28 +104,47 @@ class visible_tables {
   static constexpr bool single = sizeof(T) == 4;
 
  public:
-  using table = piecewise<T, single ? 8 : 18>;
+  using table = detail::visible_table<T>;
 
-  table moment_radius;             // t at M(0)/M(t) - 1, M(t) = int_t^inf y P2(y) dy
+  table moment;                    // M(t) = int_t^inf y P2(y) dy at t
+  table moment_radius;             // t at M(0)/M(t) - 1
   table marginal_radius;           // t at 1/P2(t) - 1/P2(0)
+  table excess_radius;             // t at t/slope_excess(t)
   T first_moment{}, inverse_P2{};  // M(0) and 1/P2(0)
   bool falls = true;               // whether P2 decreases everywhere
+  bool complete = false;           // whether visible normals can be drawn from the tables alone
 
-  // From a family in double precision; in_lanes(x, f, n, function) calls a function of its scalars.
-  template <class Family, class InLanes>
-  void build(const Family& family, const InLanes& in_lanes) {
+  // From a family in double precision.
+  template <class Family>
+  void build(const Family& family) {
     using R = typename Family::scalar;
     const detail::visible_samples<Family> samples(family);
     first_moment = static_cast<T>(samples.all()), inverse_P2 = static_cast<T>(samples.inverse_peak());
     falls = true;
     for (double t = 1e-3; t < 1e3; t *= 1.2) falls = falls && samples.at(t) >= samples.at(1.2 * t);
-    const auto fill = [&](table& t, const auto& function, double lower) {
-      const auto sample = [&](const double* L, double* f, std::size_t n) { in_lanes(L, f, n, function); };
-      t = piecewise_fit<table>(sample, {lower, 60, lower + 2, 0, 1e-30, 50.0})();
+    const auto fill = [&](table& t, const auto& function, const fit_range& range) {
+      const auto sample = [&](const double* L, double* f, std::size_t n) {
+        detail::in_lanes<R>(L, f, n, function);
+      };
+      t = piecewise_fit<table>(sample, range)();
     };
-    fill(moment_radius, [&](const R& L) { return samples.moment_radius(L); }, -1);
-    const double peak = samples.inverse_peak(), least = peak > 1e-290 ? 0.02 * peak : 1 / samples.at(1e-8);
-    fill(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); }, std::log(least));
+    constexpr double tiny = std::numeric_limits<T>::min(), central = single ? 20 : 50,
+                     least = single ? -87 : -700;
+    // Near 0 the inverses of differences have the digits of float32 alone.
+    const double peak = samples.inverse_peak(), smallest = single ? 1e-6 : 0.02;
+    const double from = std::log(peak > 1e-290 ? smallest * peak : 1 / samples.at(1e-8));
+    fill(moment_radius, [&](const R& L) { return samples.moment_radius(L); },
+         {single ? -14.0 : -1.0, 60, 1, 0, 1e-30, 50});
+    fill(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); },
+         {from, 60, from + 2, 0, 1e-30, 50});
+    if constexpr (single) {
+      fill(moment, [&](const R& L) { return samples.moment(R(elementary::exp(L))); },
+           {least, 20, least, samples.all(), tiny, central});
+      excess_radius = detail::excess_radius_table<T>(family);
+      complete = falls;
+      for (const table* t : {&moment, &moment_radius, &marginal_radius, &excess_radius})
+        complete = complete && t->error < 2e-6;
+    }
   }
 };
 

@@ -3,10 +3,10 @@
 // across it, and go back (Heitz and d'Eon, Importance sampling microfacet-based BSDFs using the distribution
 // of visible normals, 2014).
 //
-// A family may draw both slopes at once (visible_slopes_of). Otherwise the slope P in the plane comes from
-// smith/visible_slope.hpp. For the one across it the density of slopes is taken for the projection of an
-// isotropic one in three dimensions: given P its length R has the survival function P2(R)/P2(|P|), and the
-// rest is uniform on a circle, so that
+// A family may draw both slopes at once (visible_slopes_of), or the facet (visible_facet). Otherwise the
+// slope P in the plane comes from smith/visible_slope.hpp. For the one across it the density of slopes is
+// taken for the projection of an isotropic one in three dimensions: given P its length R has the survival
+// function P2(R)/P2(|P|), and the rest is uniform on a circle, so that
 //
 //   Q = cos(pi xi2) sqrt(R^2 - P^2).
 #pragma once
@@ -43,6 +43,35 @@ struct standard_direction {
   }
 };
 
+// A direction in standard space of unit length: (wx, 0, wz), and its azimuth.
+template <class T>
+struct unit_direction {
+  T wx, wz, cosine, sine;
+
+  template <class Shape>
+  unit_direction(const Shape& shape, const vec3<T>& w) {
+    constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+    T a = w.x, b = w.y;
+    shape.to_standard(a, b);
+    const T across2 = a * a + b * b;
+    const auto vertical = across2 < T(single ? 1e-36 : 1e-290);
+    const T across = sqrt(select(vertical, T(1), across2)), length = sqrt(across2 + w.z * w.z);
+    // Both reciprocals from one quotient. Straight down nothing is seen.
+    const T both = T(1) / (across * where(!vertical | (w.z > T(0)), length)), inverse = both * length;
+    wx = select(vertical, T(0), T(across2 * both)), wz = w.z * across * both;
+    cosine = select(vertical, T(1), T(a * inverse)), sine = select(vertical, T(0), T(b * inverse));
+  }
+};
+
+// The unit normal of a facet (in the plane of w, across it, up) of standard space.
+template <class T, class Shape>
+vec3<T> normal_of_facet(const Shape& shape, const unit_direction<T>& w, const vec3<T>& m) {
+  T x = w.cosine * m.x - w.sine * m.y, y = w.sine * m.x + w.cosine * m.y;
+  shape.to_surface(x, y);
+  const T inverse = T(1) / sqrt(x * x + y * y + m.z * m.z);
+  return {x * inverse, y * inverse, m.z * inverse};
+}
+
 // The unit normal of slopes, favourable ones positive, in the frame of a standard direction.
 template <class T, class Shape>
 vec3<T> normal_of_visible(const Shape& shape, const standard_direction<T>& w, const visible_slopes<T>& s) {
@@ -56,9 +85,10 @@ vec3<T> normal_of_visible(const Shape& shape, const standard_direction<T>& w, co
   return {x * z, y * z, z};
 }
 
+// A call, so that what surrounds it stays short.
 template <class Family, class T>
-visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
-                                       const T& xi2) {
+[[gnu::noinline]] visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0,
+                                                         const T& xi1, const T& xi2) {
   const auto from = [&](const auto& tails) -> visible_slopes<T> {
     T least = smallest<T>();
     if constexpr (requires { tails.least_share(); }) least = tails.least_share();
@@ -85,34 +115,6 @@ visible_slopes<T> draw_visible_slopes(const Family& family, const T& x, const T&
   }
 }
 
-template <class Family, class T>
-visible_slopes<T> mix_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
-                                     const T& xi2) {
-  const auto up = x > T(0);
-  const T X = abs(x), c = select(up, x, T(0)), below = family.slope_excess(slope<T>(X));
-  const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
-  const auto first = xi0 <= share;
-  const auto seen_from_below = [&]() -> visible_slopes<T> {
-    const T V = maximum(T(select(first, xi0, share) / maximum(share, smallest<T>())), smallest<T>());
-    return solve_visible_slopes(family, T(-X), V, xi1, xi2);
-  };
-  const auto any_slope = [&]() -> visible_slopes<T> {
-    const T rest = select(first, T(1), T((T(1) - xi0) / maximum(other, smallest<T>())));
-    const T depth = -log(maximum(rest, smallest<T>()));
-    const T r = [&] {
-      if constexpr (requires { family.survival_radius(depth); }) {
-        return family.survival_radius(depth);
-      } else {
-        return visible_tails<Family, T>(family).survival_radius(depth);
-      }
-    }();
-    const elementary::circle<T> azimuth = elementary::cos_sin_of_turns(xi1);
-    const T P = r * azimuth.cosine;
-    return {select((P < T(0)) & (xi2 * c < -P), T(-P), P), r * azimuth.sine};
-  };
-  return choose(first, seen_from_below, any_slope);
-}
-
 template <class T>
 T uniform(const T& xi) {
   return where((xi >= T(0)) & (xi < T(1)), xi);
@@ -125,33 +127,15 @@ T uniform(const T& xi) {
 template <class Family, class T, class Shape>
 vec3<T> sample_visible(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
                        const T& xi1, const T& xi2) {
-  const detail::standard_direction<T> seen(distribution.shape(), w);
   const Family& family = distribution.family();
   const T u = detail::uniform(xi0), v = detail::uniform(xi1);
-  const visible_slopes<T> slopes = detail::draw_visible_slopes(family, seen.x, u, v, xi2);
-  return detail::normal_of_visible(distribution.shape(), seen, slopes);
-}
-
-// The cheaper way where there are two: with the probability of the area that w sees from below, xi0 small,
-// the slope is one that the mirrored w from below sees, else one of all slopes, turned towards w where w sees
-// too little of it. max(0, x + P) + max(0, x - P) = 2 max(x, 0) + max(0, |P| - |x|). Three uniforms.
-template <class Family, class T, class Shape>
-vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
-                               const T& xi1, const T& xi2) {
-  const Family& family = distribution.family();
-  if constexpr (!requires { family.visible_slopes_of(w.z, xi0, xi1, xi2); }) {
-    const detail::standard_direction<T> seen(distribution.shape(), w);
-    const T u = detail::uniform(xi0), v = detail::uniform(xi1), last = detail::uniform(xi2);
-    const auto slopes = [&] { return detail::mix_visible_slopes(family, seen.x, u, v, last); };
-    if constexpr (requires { family.closed_slopes(seen.x, u, v); }) {
-      const visible_slopes<T> s =
-          choose(family.has_closed_slopes(), [&] { return family.closed_slopes(seen.x, u, v); }, slopes);
-      return detail::normal_of_visible(distribution.shape(), seen, s);
-    } else {
-      return detail::normal_of_visible(distribution.shape(), seen, slopes());
-    }
+  if constexpr (requires { family.visible_facet(w.x, w.z, u, v); }) {
+    const detail::unit_direction<T> seen(distribution.shape(), w);
+    return detail::normal_of_facet(distribution.shape(), seen, family.visible_facet(seen.wx, seen.wz, u, v));
   } else {
-    return sample_visible(distribution, w, xi0, xi1, xi2);
+    const detail::standard_direction<T> seen(distribution.shape(), w);
+    const visible_slopes<T> slopes = detail::draw_visible_slopes(family, seen.x, u, v, xi2);
+    return detail::normal_of_visible(distribution.shape(), seen, slopes);
   }
 }
 

@@ -25,11 +25,11 @@ T bound_of_cap(const Shape& shape, const vec3<T>& w) {
 template <class Family, class T, class Shape>
 vec3<T> sample_visible_bounded(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
                                const T& xi1, const T& = T(0)) {
-  const detail::standard_direction<T> seen(distribution.shape(), w);
+  const detail::unit_direction<T> seen(distribution.shape(), w);
   const T k = detail::bound_of_cap(distribution.shape(), w);
-  const visible_slopes<T> slopes =
-      distribution.family().bounded_slopes(seen.x, k, detail::uniform(xi0), detail::uniform(xi1));
-  return detail::normal_of_visible(distribution.shape(), seen, slopes);
+  const vec3<T> facet =
+      distribution.family().bounded_facet(seen.wx, seen.wz, k, detail::uniform(xi0), detail::uniform(xi1));
+  return detail::normal_of_facet(distribution.shape(), seen, facet);
 }
 
 // Its density per steradian: D (w . m) over the area of the cap, 0 for a normal that mirrors w out of it.

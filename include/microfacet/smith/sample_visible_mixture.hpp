@@ -1,0 +1,100 @@
+// Visible normals without continuity in the uniforms, for random walks. Folded over the sign of the slope P
+// in the plane of incidence, what a direction x = cot(theta) sees is
+//
+//   max(0, x + P) + max(0, x - P) = 2 max(x, 0) + max(0, |P| - |x|),
+//
+// so that with the probability of the area that it sees from below, xi0 small, the slope is one that -|x|
+// sees, else one of all slopes, turned towards x where x sees too little of it. What -|x| sees has the weight
+// max(0, P - |x|) = int_{|x|}^P dg: with J = slope_excess and M(t) = int_t^inf y P2(y) dy it is drawn in two
+// steps,
+//
+//   J(g)/g = xi J(|x|)/|x|   and then   M(P) = xi' M(g),   P > g > |x|,
+//
+// both inverses of functions of one variable: polynomials, where the other scheme has to iterate.
+#pragma once
+
+#include "microfacet/core/elementary.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/vec.hpp"
+#include "microfacet/smith/ndf.hpp"
+#include "microfacet/smith/sample_visible.hpp"
+
+namespace microfacet {
+
+namespace detail {
+
+template <class T>
+struct uniforms {
+  T xi[4];
+};
+
+template <class Family, class T>
+visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& excess, const T& part,
+                                  const uniforms<T>& u) {
+  const auto solved = [&] { return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]); };
+  if constexpr (requires { family.excess_radius(X); }) {
+    const auto composed = [&]() -> visible_slopes<T> {
+      const T least = family.excess_radius(X / (excess * part)), along = family.moment_beyond(least, u.xi[1]);
+      return {along, family.across_of_tables(along, u.xi[2], u.xi[3])};
+    };
+    return family.composes() ? composed() : solved();
+  } else {
+    return solved();
+  }
+}
+template <class Family, class T>
+visible_slopes<T> turned_towards(const Family& family, const T& c, const T& rest, const uniforms<T>& u) {
+  const T depth = -log(maximum(rest, smallest<T>()));
+  const T r = [&] {
+    if constexpr (requires { family.survival_radius(depth); }) {
+      return family.survival_radius(depth);
+    } else {
+      return visible_tails<Family, T>(family).survival_radius(depth);
+    }
+  }();
+  const elementary::circle<T> azimuth = elementary::cos_sin_of_turns(u.xi[1]);
+  const T P = r * azimuth.cosine;
+  return {select((P < T(0)) & (u.xi[2] * c < -P), T(-P), P), r * azimuth.sine};
+}
+
+template <class Family, class T>
+visible_slopes<T> mix_visible_slopes(const Family& family, const T& x, const uniforms<T>& u) {
+  const auto up = x > T(0);
+  const T X = abs(x), c = select(up, x, T(0)), below = family.slope_excess(slope<T>(X));
+  const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
+  // At most the share, and positive.
+  const auto first = u.xi[0] < share;
+  const T part = maximum(T(select(first, u.xi[0], share) / maximum(share, smallest<T>())), smallest<T>());
+  const T rest = select(first, T(1), T((T(1) - u.xi[0]) / maximum(other, smallest<T>())));
+  return choose(
+      first, [&] { return seen_from_below(family, X, below, part, u); },
+      [&] { return turned_towards(family, c, rest, u); });
+}
+
+}  // namespace detail
+
+// From Family::mixture_dimensions uniforms; families with closed slopes have this scheme alone.
+template <class Family, class T, class Shape>
+vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
+                               const T& xi1, const T& xi2, const T& xi3) {
+  const Family& family = distribution.family();
+  if constexpr (
+      requires { family.visible_slopes_of(w.z, xi0, xi1, xi2); } ||
+      requires { family.visible_facet(w.x, w.z, xi0, xi1); }) {
+    return sample_visible(distribution, w, xi0, xi1, xi2);
+  } else {
+    const detail::standard_direction<T> seen(distribution.shape(), w);
+    const detail::uniforms<T> u{detail::uniform(xi0), detail::uniform(xi1), detail::uniform(xi2),
+                                detail::uniform(xi3)};
+    const auto mixed = [&] { return detail::mix_visible_slopes(family, seen.x, u); };
+    if constexpr (requires { family.closed_slopes(seen.x, xi0, xi1); }) {
+      const auto closed = [&] { return family.closed_slopes(seen.x, u.xi[0], u.xi[1]); };
+      return detail::normal_of_visible(distribution.shape(), seen,
+                                       choose(family.has_closed_slopes(), closed, mixed));
+    } else {
+      return detail::normal_of_visible(distribution.shape(), seen, mixed());
+    }
+  }
+}
+
+}  // namespace microfacet
