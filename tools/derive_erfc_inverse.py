@@ -2,10 +2,10 @@
 
     python tools/derive_erfc_inverse.py > include/microfacet/special/erfc_inverse_coefficients.hpp
 
-With erfc(t)/2 = v and the depth -log(4v(1 - v)), t^2 over the depth rises from pi/4 to 1. A rational function
-of the depth with positive coefficients has it to 2.4e-7 as far as float32 reaches and to 3e-6 as far as float64
-does, where a step of Halley's method follows. The exchange of remez.py does not settle over so wide a range;
-Lawson's iteration of weighted least squares does.
+With erfc(t)/2 = v and the depth -log(4v(1 - v)), t^2 over the depth rises from pi/4 to 1. A rational
+function of the depth with positive coefficients has it to 2.4e-7 as far as float32 reaches and to 3e-6 as
+far as float64 does, where a step of Halley's method follows. The exchange of remez.py does not settle over
+so wide a range; Lawson's iteration of weighted least squares does.
 """
 
 from __future__ import annotations

@@ -21,6 +21,11 @@ def _array(owner: str, name: str, values: ArrayLike, lengths: tuple[int, ...]) -
     return array
 
 
+def _components(array: Any) -> tuple[Any, ...]:
+    """Views of the components that lie along the last axis of `array`."""
+    return tuple(array[..., i] for i in range(array.shape[-1]))
+
+
 def _normals(owner: str, shape: tuple[int, ...], inputs: tuple[Any, ...], out: Any) -> Any:
     """Where to write normals: `out`, or a new array in the precision of the inputs."""
     if out is None:
@@ -60,11 +65,11 @@ class Sampling(Quantities):
         [0. 0. 1.]
         """
         owner = f"{type(self).__name__}.sample"
-        xi = _array(owner, "xi", xi, (2,))
-        out = _normals(owner, (*xi.shape[:-1], 3), (xi,), out)
+        uniforms = _array(owner, "xi", xi, (2,))
+        normals = _normals(owner, (*uniforms.shape[:-1], 3), (uniforms,), out)
         kernel, parameters = self._kernel("sample")
-        kernel(xi[..., 0], xi[..., 1], *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
-        return out
+        kernel(*_components(uniforms), *parameters, out=_components(normals))
+        return normals
 
     @property
     def visible_dims(self) -> int:
@@ -122,14 +127,16 @@ class Sampling(Quantities):
         owner = f"{type(self).__name__}.sample_visible"
         quantity = self._visible_quantity(owner, scheme, bounded)
         dims = 3 if quantity.endswith("mixture") else self.visible_dims
-        w, xi = _array(owner, "w", w, (3,)), _array(owner, "xi", xi, (2, 3) if dims == 2 else (3,))
-        shape = np.broadcast_shapes(w.shape[:-1], xi.shape[:-1])
-        out = _normals(owner, (*shape, 3), (w, xi), out)
+        directions = _array(owner, "w", w, (3,))
+        uniforms = _array(owner, "xi", xi, (2, 3) if dims == 2 else (3,))
+        shape = np.broadcast_shapes(directions.shape[:-1], uniforms.shape[:-1])
+        normals = _normals(owner, (*shape, 3), (directions, uniforms), out)
         kernel, parameters = self._kernel(quantity)
-        uniforms = (xi[..., 0], xi[..., 1], xi[..., min(2, dims - 1)])
-        parts = (w[..., 0], w[..., 1], w[..., 2], *uniforms)
-        kernel(*parts, *parameters, out=(out[..., 0], out[..., 1], out[..., 2]))
-        return out
+        # Kernels take three uniforms; where two are enough the third is not looked at.
+        first, second, *third = _components(uniforms[..., :dims])
+        inputs = (*_components(directions), first, second, *(third or [second]))
+        kernel(*inputs, *parameters, out=_components(normals))
+        return normals
 
     def _visible_quantity(self, owner: str, scheme: str, bounded: bool) -> str:
         if scheme not in ("continuous", "mixture"):
