@@ -124,4 +124,4 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group lint
 	@touch $@
 
-.PHONY: report install test test-cpp sanitize headers lint format bench bench-check docs-accuracy clean help
+.PHONY: report install test test-cpp sanitize headers lint format bench bench-check docs-accuracy docs-sampling clean help

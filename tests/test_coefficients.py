@@ -23,6 +23,7 @@ SPECIAL = ROOT / "include/microfacet/special"
 HEADERS = {  # by the tool and its arguments
     "derive_elementary.py": ROOT / "include/microfacet/core/elementary_coefficients.hpp",
     "derive_special.py": SPECIAL / "coefficients.hpp",
+    "derive_erfc_inverse.py": SPECIAL / "erfc_inverse_coefficients.hpp",
     "derive_student.py": SPECIAL / "student_coefficients.hpp",
     "derive_bessel.py": SPECIAL / "bessel_coefficients.hpp",
     "derive_variance_gamma.py tail": SPECIAL / "variance_gamma_tail_coefficients.hpp",
@@ -31,6 +32,7 @@ HEADERS = {  # by the tool and its arguments
 FAST = {  # groups of a tool
     "derive_elementary.py": "exp log log_polynomial sin cos",
     "derive_special.py": "erfc debye",
+    "derive_erfc_inverse.py": "",
     "derive_student.py": "",
     "derive_bessel.py": "near",
 }
@@ -67,6 +69,11 @@ class Sets:
 
 def minus_log(y: mpf) -> mpf:
     return -mpmath.euler - mpmath.log(y)
+
+
+def depth(t: mpf) -> mpf:
+    """-log(4v(1 - v)) where v = erfc(t)/2."""
+    return -mpmath.log(mpmath.erfc(t) * (1 + mpmath.erf(t)))
 
 
 def points(lower: float, upper: float, crowded: bool = False) -> list[mpf]:
@@ -130,6 +137,13 @@ CASES: list[
         (2e-8, 9e-17),
     ),
     (
+        "erfc_inverse",
+        lambda c, t: (d := depth(t)) * c.erfc_inverse_numerator(d) / c.erfc_inverse_denominator(d),
+        lambda t: t**2,
+        [points(1e-6, 9.3, crowded=True), points(1e-6, 26.5, crowded=True)],
+        (2.9e-7, 2.9e-6),
+    ),
+    (
         "k0_near",
         lambda c, y: minus_log(y) * c.k0_near_log(y**2) + y**2 * c.k0_near(y**2),
         lambda y: 2 * mpmath.besselk(0, 2 * y),
@@ -178,8 +192,8 @@ def test_error(form: Form, exact: Callable[[mpf], mpf], at: Sequence[mpf], bits:
 def test_nothing_cancels() -> None:
     """The terms of the rationals and of the series of K_0 and K_1 are positive."""
     names = [name for name in ARRAYS if name.startswith(("k0_", "k1_")) or "erfc_numerator" in name]
-    names += [name for name in ARRAYS if "erfc_denominator" in name]
-    assert len(names) == 24
+    names += [name for name in ARRAYS if "erfc_denominator" in name or "erfc_inverse" in name]
+    assert len(names) == 28
     assert all(value > 0 for name in names for value in ARRAYS[name])
 
 

@@ -15,8 +15,8 @@ import numpy as np
 from mpmath import mpf
 from remez import FORMATS, array, header
 
-mpmath.mp.dps = 40
-DEGREE, POINTS, ROUNDS = 5, 200, 25
+mpmath.mp.dps = 60
+DEGREE, POINTS, ROUNDS = 5, 200, 60
 
 
 def samples(largest: float) -> tuple[list[mpf], list[mpf]]:
@@ -30,22 +30,25 @@ def samples(largest: float) -> tuple[list[mpf], list[mpf]]:
     return depth, ratio
 
 
+def least_squares(rows: list[list[mpf]], right: list[mpf]) -> list[mpf]:
+    """By the normal equations, whose conditioning so many digits bear; so no library's rounding decides."""
+    columns = list(zip(*rows, strict=True))
+    normal = mpmath.matrix([[mpmath.fdot(a, b) for a in columns] for b in columns])
+    return list(mpmath.lu_solve(normal, mpmath.matrix([mpmath.fdot(a, right) for a in columns])))
+
+
 def fit(largest: float) -> tuple[float, list[float], list[float]]:
     depth, ratio = samples(largest)
     weight, denominator = [mpf(1)] * POINTS, [mpf(1)] * POINTS
     best: tuple[float, list[float], list[float]] = (np.inf, [], [])
     for _ in range(ROUNDS):
-        rows = np.zeros((POINTS, 2 * DEGREE + 1))
-        right = np.zeros(POINTS)
-        for i in range(POINTS):
-            scale = weight[i] / (denominator[i] * ratio[i])
-            powers = [depth[i] ** k for k in range(DEGREE + 1)]
-            rows[i] = [float(p * scale) for p in powers] + [float(-ratio[i] * p * scale) for p in powers[1:]]
-            right[i] = float(ratio[i] * scale)
-        size = np.abs(rows).max(axis=0)
-        solution = np.linalg.lstsq(rows / size, right, rcond=1e-16)[0] / size
-        above = [mpf(c) for c in solution[: DEGREE + 1]]
-        below = [mpf(1), *(mpf(c) for c in solution[DEGREE + 1 :])]
+        rows, right = [], []
+        for x, r, w, d in zip(depth, ratio, weight, denominator, strict=True):
+            scale, powers = w / (d * r), [x**k for k in range(DEGREE + 1)]
+            rows.append([p * scale for p in powers] + [-r * p * scale for p in powers[1:]])
+            right.append(r * scale)
+        solution = least_squares(rows, right)
+        above, below = solution[: DEGREE + 1], [mpf(1), *solution[DEGREE + 1 :]]
         denominator = [mpmath.polyval(below[::-1], x) for x in depth]
         errors = [
             float(abs(mpmath.polyval(above[::-1], x) / d / r - 1))
