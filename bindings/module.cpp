@@ -46,6 +46,12 @@ PyObject* visible_dims() {
   return PyLong_FromLong(0);
 }
 
+template <class Family>
+PyObject* mixture_dims() {
+  if constexpr (requires { Family::mixture_dimensions; }) return PyLong_FromLong(Family::mixture_dimensions);
+  return visible_dims<Family>();
+}
+
 template <class Tag>
 bool add_family(PyObject* module) {
   using Family = typename Tag::template type<double>;
@@ -55,6 +61,7 @@ bool add_family(PyObject* module) {
   const bool complete = add_operations<Tag>(space) && add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
                         add(space, "visible_dims", visible_dims<Family>()) &&
+                        add(space, "mixture_dims", mixture_dims<Family>()) &&
                         add(space, "shape_invariant", PyBool_FromLong(Family::shape_invariant));
   if (!complete) {
     Py_DECREF(space);

@@ -72,7 +72,7 @@ class Case:
         """Uniform random numbers of one normal."""
         if self.scheme in ("all", "bounded"):
             return 2
-        return int(self.ndf.visible_dims) if self.scheme == "continuous" else 3
+        return int(self.ndf.mixture_dims if self.scheme == "mixture" else self.ndf.visible_dims)
 
     def sample(self, xi: NDArray[Any]) -> NDArray[Any]:
         """Normals."""

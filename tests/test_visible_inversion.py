@@ -97,6 +97,7 @@ def test_hostile_uniforms_and_directions(ndf: Any, scheme: str, dtype: type) -> 
         ]
     )  # fmt: skip
     xi = np.array(list(itertools.product(HOSTILE, repeat=3)))
+    xi = np.column_stack([xi, xi[::-1, 1]])
     xi = xi.astype(dtype)[(xi.astype(dtype) < 1).all(axis=1)]
     w = w.astype(dtype)
     m = ndf.sample_visible(w[:, None], xi, scheme=scheme)
@@ -142,7 +143,7 @@ def test_mean_of_a_smooth_function(ndf: Any) -> None:
     for degrees, phi, scheme in itertools.product((20.0, 85.0, 100.0), (0.2, 1.4), ("continuous", "mixture")):
         w = direction(np.radians(degrees), phi)
         density = area * ndf.pdf_visible(m, w)
-        samples = ndf.sample_visible(w, rng.random((100_000, 3)), scheme=scheme)
+        samples = ndf.sample_visible(w, rng.random((100_000, 4)), scheme=scheme)
         for function in (lambda m: m[..., 0], lambda m: m[..., 1] * m[..., 2]):
             values = function(samples)
             expected = float((density * function(m)).sum())
@@ -174,7 +175,7 @@ def test_bounded_caps() -> None:
 def test_arrays(ndf: Any) -> None:
     """Any length, stride and shape gives the same bits; directions and uniforms broadcast."""
     rng = np.random.default_rng(2)
-    w, xi = rng.normal(size=(37, 3)), rng.random((37, 3))
+    w, xi = rng.normal(size=(37, 3)), rng.random((37, 4))
     w /= np.linalg.norm(w, axis=1)[:, None]
     for dtype, scheme in itertools.product((np.float32, np.float64), ("continuous", "mixture")):
         v, u = w.astype(dtype), np.minimum(xi.astype(dtype), np.nextafter(dtype(1), dtype(0)))

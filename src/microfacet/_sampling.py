@@ -76,6 +76,12 @@ class Sampling(Quantities):
         """How many uniforms `sample_visible` takes with its default scheme: 2 or 3."""
         return int(self.kernels.visible_dims)
 
+    @property
+    def mixture_dims(self) -> int:
+        """How many uniforms `sample_visible` takes with the scheme "mixture": 2 to 4."""
+        closed = self.visible_dims < self.kernels.visible_dims
+        return self.visible_dims if closed else int(self.kernels.mixture_dims)
+
     def sample_visible(
         self,
         w: ArrayLike,
@@ -94,13 +100,13 @@ class Sampling(Quantities):
         ----------
         w : array_like, shape (..., 3)
             Unit directions on the whole sphere, pointing away from the surface.
-        xi : array_like, shape (..., visible_dims) or (..., 3)
-            Uniform random numbers in [0, 1). Their leading axes broadcast against those of `w`. Where two are
-            enough a third is ignored.
+        xi : array_like, shape (..., visible_dims), or (..., mixture_dims) with the scheme "mixture"
+            Uniform random numbers in [0, 1). Their leading axes broadcast against those of `w`. More than are
+            taken, up to four, are ignored.
         scheme : {"continuous", "mixture"}
             "continuous" gives a normal that is continuous in `xi`, where the family has such a scheme, for
             quasi-Monte Carlo points: the first uniform is the probability of a smaller slope in the plane of
-            incidence. "mixture", for random walks, costs less and takes three uniforms. Closed samplers have
+            incidence. "mixture", for random walks, costs less: in float32 nothing iterates. Closed samplers have
             one scheme under both names.
         bounded : bool
             GGX alone, for reflection: leave out what would reflect `w` below the horizon, as far as a
@@ -126,15 +132,16 @@ class Sampling(Quantities):
         """
         owner = f"{type(self).__name__}.sample_visible"
         quantity = self._visible_quantity(owner, scheme, bounded)
-        dims = 3 if quantity.endswith("mixture") else self.visible_dims
+        dims = self.mixture_dims if quantity.endswith("mixture") else self.visible_dims
         directions = _array(owner, "w", w, (3,))
-        uniforms = _array(owner, "xi", xi, (2, 3) if dims == 2 else (3,))
+        uniforms = _array(owner, "xi", xi, tuple(range(dims, 5)))
         shape = np.broadcast_shapes(directions.shape[:-1], uniforms.shape[:-1])
         normals = _normals(owner, (*shape, 3), (directions, uniforms), out)
         kernel, parameters = self._kernel(quantity)
-        # Kernels take three uniforms; where two are enough the third is not looked at.
-        first, second, *third = _components(uniforms[..., :dims])
-        inputs = (*_components(directions), first, second, *(third or [second]))
+        # Kernels take as many uniforms as their longest scheme, and do not look at those left over.
+        wanted = kernel.nin - len(parameters) - 3
+        given = _components(uniforms[..., :dims])
+        inputs = (*_components(directions), *given, *[given[-1]] * (wanted - dims))
         kernel(*inputs, *parameters, out=_components(normals))
         return normals
 

@@ -74,7 +74,7 @@ class piecewise_fit {
     if (fine < 8) return false;
     const std::ptrdiff_t below = std::min(fine - 1, in_cells(end - least, shift));
     table_.base = end - (static_cast<bits_type>(below) << shift);
-    table_.last = static_cast<T>(std::exp(std::min(high_ + 0.1, 88.0)));
+    table_.last = static_cast<T>(std::exp(std::min(high_ + 0.1, sizeof(T) == 4 ? 88.0 : 709.0)));
 
     double from = low_;
     if (range_.roots) {

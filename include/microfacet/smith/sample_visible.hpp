@@ -57,7 +57,7 @@ struct unit_direction {
     const auto vertical = across2 < T(single ? 1e-36 : 1e-290);
     const T across = sqrt(select(vertical, T(1), across2)), length = sqrt(across2 + w.z * w.z);
     // Both reciprocals from one quotient. Straight down nothing is seen.
-    const T both = T(1) / (across * where(!vertical | (w.z > T(0)), length)), inverse = both * length;
+    const T both = T(1) / (across * where((!vertical) | (w.z > T(0)), length)), inverse = both * length;
     wx = select(vertical, T(0), T(across2 * both)), wz = w.z * across * both;
     cosine = select(vertical, T(1), T(a * inverse)), sine = select(vertical, T(0), T(b * inverse));
   }

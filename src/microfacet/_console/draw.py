@@ -66,7 +66,7 @@ class Draw:
         """Uniform random numbers of each normal."""
         if self.view is None or self.view.bounded:
             return 2
-        return int(self.ndf.visible_dims if self.view.scheme == "continuous" else 3)
+        return int(self.ndf.mixture_dims if self.view.scheme == "mixture" else self.ndf.visible_dims)
 
     def block(self, start: int, stop: int) -> Array:
         """The normals number `start` to `stop`, the same whatever was drawn before."""
