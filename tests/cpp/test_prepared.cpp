@@ -19,7 +19,8 @@ template <class T>
 constexpr bool single = sizeof(T) == 4;
 
 static_assert(std::is_trivially_copyable_v<mf::radial_tables<float>>);
-static_assert(sizeof(mf::radial_tables<double>) < 40000);
+// All that is no sampler of visible normals fits in the first cache.
+static_assert(sizeof(mf::radial_tables<double>) - sizeof(mf::visible_tables<double>) <= 32 * 1024);
 
 // The accuracy contract of prepared densities: near 1, and where the value is far from it.
 template <class T>

@@ -28,6 +28,23 @@ constexpr std::array<double, 4 * N> quarter_waves() {
   return table;
 }
 
+// sum_k c[k] T_k(v/half) as coefficients of the powers of v: T_k as sums of powers, added up.
+template <std::size_t N>
+std::array<double, N> powers(const std::array<double, N>& c, double half) {
+  std::array<double, N> sum{}, before{}, now{}, next{};
+  before[0] = 1, now[1] = 1;
+  sum[0] = c[0], sum[1] = c[1];
+  for (std::size_t k = 2; k < N; ++k) {
+    next[0] = -before[0];
+    for (std::size_t i = 1; i <= k; ++i) next[i] = 2 * now[i - 1] - before[i];
+    before = now, now = next;
+    for (std::size_t i = 0; i <= k; ++i) sum[i] += c[k] * now[i];
+  }
+  double scale = 1;
+  for (std::size_t i = 1; i < N; ++i) sum[i] *= (scale /= half);
+  return sum;
+}
+
 }  // namespace detail
 
 // Relative errors of interpolation that count as none, near f = 1 and far from it. The polynomial itself is
@@ -152,21 +169,8 @@ struct interpolant {
     return p;
   }
 
-  // Coefficients of the powers of L - centre: T_k as sums of powers, added up.
-  std::array<double, N> powers() const {
-    std::array<double, N> sum{}, before{}, now{}, next{};
-    before[0] = 1, now[1] = 1;
-    sum[0] = chebyshev[0], sum[1] = chebyshev[1];
-    for (std::size_t k = 2; k < N; ++k) {
-      next[0] = -before[0];
-      for (std::size_t i = 1; i <= k; ++i) next[i] = 2 * now[i - 1] - before[i];
-      before = now, now = next;
-      for (std::size_t i = 0; i <= k; ++i) sum[i] += chebyshev[k] * now[i];
-    }
-    double scale = 1;
-    for (std::size_t i = 1; i < N; ++i) sum[i] *= (scale /= half);
-    return sum;
-  }
+  // Coefficients of the powers of L - centre.
+  std::array<double, N> powers() const { return detail::powers(chebyshev, half); }
 };
 
 }  // namespace microfacet

@@ -72,12 +72,8 @@ class many_pieces_fit {
   };
   // cos(pi k/(2 nodes)).
   static double wave(std::size_t k) {
-    static const auto table = [] {
-      std::array<double, 4 * nodes> t;
-      for (std::size_t i = 0; i < t.size(); ++i) t[i] = std::cos(0.5 * pi * static_cast<double>(i) / nodes);
-      return t;
-    }();
-    return table[k % table.size()];
+    static constexpr auto waves = detail::quarter_waves<nodes>();
+    return waves[k % waves.size()];
   }
   static bool by_excess(const interpolant& a, const interpolant& b) { return a.excess < b.excess; }
   void add(const interpolant& p) { pieces_[count_++] = p; }
@@ -153,23 +149,12 @@ class many_pieces_fit {
     table_.at_zero = static_cast<T>(range_.at_zero);
   }
 
-  // T_k as sums of powers, times the coefficients, in units of L.
   void store(const interpolant& p, std::size_t i) {
-    std::array<double, nodes> sum{}, before{}, now{}, next{};
-    before[0] = 1, now[1] = 1;
-    sum[0] = p.chebyshev[0], sum[1] = p.chebyshev[1];
-    for (std::size_t k = 2; k < nodes; ++k) {
-      next[0] = -before[0];
-      for (std::size_t j = 1; j <= k; ++j) next[j] = 2 * now[j - 1] - before[j];
-      before = now, now = next;
-      for (std::size_t j = 0; j <= k; ++j) sum[j] += p.chebyshev[k] * now[j];
-    }
+    const std::array<double, nodes> powers = detail::powers(p.chebyshev, p.half);
     table_.start[i] = static_cast<T>(std::exp(p.a));
     table_.centre[i] = static_cast<T>(p.centre);
-    table_.twice_value[i] = static_cast<T>(2 * p.reference * std::exp(sum[0]));
-    double scale = 1;
-    for (std::size_t k = 0; k < Table::terms; ++k)
-      table_.coefficient[k][i] = static_cast<T>(sum[k + 1] * (scale /= p.half));
+    table_.twice_value[i] = static_cast<T>(2 * p.reference * std::exp(powers[0]));
+    for (std::size_t k = 0; k < Table::terms; ++k) table_.coefficient[k][i] = static_cast<T>(powers[k + 1]);
   }
 
   // The table as it is used, between the nodes.

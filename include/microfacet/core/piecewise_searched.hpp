@@ -58,7 +58,9 @@ struct piecewise_searched {
       even = multiply_add(even, v2, lookup<N>(coefficient[k - 2], i));
     for (std::size_t k = last_odd; k >= 3; k -= 2)
       odd = multiply_add(odd, v2, lookup<N>(coefficient[k - 2], i));
-    const elementary::reduced<R> e = elementary::reduce(R(v * multiply_add(odd, v, even)), R(0));
+    // Far out on a power law exp(t) is zero; its exponent must not leave the format.
+    const R t = maximum(R(v * multiply_add(odd, v, even)), R(elementary::format<R>::least));
+    const elementary::reduced<R> e = elementary::reduce(t, R(0));
     const R scale = lookup<N>(twice_value, i) * e.power;
     return multiply_add(scale, e.excess, scale);
   }
