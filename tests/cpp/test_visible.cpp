@@ -13,6 +13,7 @@
 #include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/sample_visible.hpp"
 #include "microfacet/smith/sample_visible_bounded.hpp"
+#include "microfacet/smith/sample_visible_mixture.hpp"
 #include "packs.hpp"
 
 namespace mf = microfacet;
@@ -129,7 +130,7 @@ TEST(hostile_uniforms_and_directions) {
             for (const double c : xi)
               for (const bool mixture : {false, true}) {
                 const check::note at("w = ", d.x, " ", d.y, " ", d.z, ", xi = ", a, " ", b, " ", c);
-                const direction m = mixture ? mf::sample_visible_mixture(distribution, d, a, b, c)
+                const direction m = mixture ? mf::sample_visible_mixture(distribution, d, a, b, c, b)
                                             : mf::sample_visible(distribution, d, a, b, c);
                 CHECK(std::abs(std::sqrt(mf::dot(m, m)) - 1) <= 1e-15);
                 CHECK(m.z > 0);
@@ -166,4 +167,32 @@ TEST(lanes_know_no_neighbours) {
   check.operator()<mf::k0>();
   check.operator()<mf::student_t>(2.5);
   check.operator()<mf::student_t>(3.0);
+}
+
+// J(g)/g = 1/v and M(P) = (1 - xi) M(g) as the tables of float32 have them, and the length of a slope in
+// three dimensions: P2(R) = (1 - xi) P2(P).
+TEST(tables_of_the_mixture_scheme) {
+  each_family([]<class Family>(const Family& family) {
+    if constexpr (Family::costly != 0) {
+      static mf::radial_tables<float> tables;
+      tables.build(family, mf::of_all | mf::of_visible);
+      const mf::prepared<float> prepared(tables);
+      if (!prepared.composes()) return;
+      const auto J = [&](double t) { return family.slope_excess(mf::slope<double>(t)); };
+      const auto M = [&](double t) { return J(t) + t * family.slope_sf(mf::slope<double>(t)); };
+      const auto P2 = [&](double t) { return family.P2(mf::slope<double>(t)); };
+      for (const float v : {1e-6f, 1e-2f, 0.7f, 4.0f, 300.0f, 1e6f}) {
+        const check::note at("v = ", v);
+        const double g = prepared.excess_radius(v);
+        CHECK_NEAR(g / J(g), v, 4e-6 * std::max(1.0, g * g));
+        for (const float xi : {0.01f, 0.5f, 0.95f}) {
+          const double P = prepared.moment_beyond(static_cast<float>(g), xi);
+          const double rest = prepared.across_of_tables(static_cast<float>(P), xi, 0.0f),
+                       R = std::hypot(P, rest);
+          CHECK_NEAR(M(P), (1 - static_cast<double>(xi)) * M(g), 4e-6 * std::max(1.0, P * P));
+          CHECK_NEAR(P2(R), (1 - static_cast<double>(xi)) * P2(P), 4e-6 * std::max(1.0, R * R));
+        }
+      }
+    }
+  });
 }

@@ -90,10 +90,9 @@ class beckmann {
   static constexpr int mixture_dimensions = 3;
   bool composes() const { return true; }
   T excess_radius(const T& v) const
-    requires(elementary::has_lanes<T>)
+    requires(elementary::has_lanes<T> && single)
   {
-    static const auto table =
-        detail::excess_radius_table<typename scalar_traits<T>::real>(beckmann<double>());
+    static const auto table = detail::excess_radius_table(beckmann<double>());
     return table(twofold<T>(v));
   }
   T moment_beyond(const T& t, const T& xi) const { return sqrt(t * t - log1p(-xi)); }

@@ -84,17 +84,15 @@ class visible_samples {
 template <class T>
 using visible_table = piecewise<T, sizeof(T) == 4 ? 8 : 18>;
 
-// t at t/slope_excess(t).
-template <class T, class Family>
-visible_table<T> excess_radius_table(const Family& family) {
-  constexpr bool single = sizeof(T) == 4;
+// t at t/slope_excess(t), in float32: in float64 the range is too long for one table.
+template <class Family>
+visible_table<float> excess_radius_table(const Family& family) {
   const visible_samples<Family> samples(family);
   const auto sample = [&](const double* L, double* f, std::size_t n) {
     in_lanes<typename Family::scalar>(L, f, n, [&](const auto& x) { return samples.excess_radius(x); });
   };
-  constexpr double least = single ? -87 : -700, most = single ? 86 : 690;
-  return piecewise_fit<visible_table<T>>(
-      sample, {least, most, 0, 0, std::numeric_limits<T>::min(), single ? 20.0 : 50.0})();
+  return piecewise_fit<visible_table<float>>(sample,
+                                             {-87, 86, 0, 0, std::numeric_limits<float>::min(), 20})();
 }
 
 }  // namespace detail
@@ -140,7 +138,7 @@ class visible_tables {
     if constexpr (single) {
       fill(moment, [&](const R& L) { return samples.moment(R(elementary::exp(L))); },
            {least, 20, least, samples.all(), tiny, central});
-      excess_radius = detail::excess_radius_table<T>(family);
+      excess_radius = detail::excess_radius_table(family);
       complete = falls;
       for (const table* t : {&moment, &moment_radius, &marginal_radius, &excess_radius})
         complete = complete && t->error < 2e-6;
