@@ -50,7 +50,11 @@ class prepared {
   MICROFACET_INLINE const auto& visible() const { return t_->visible; }
   // For smith/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
   MICROFACET_INLINE bool composes() const { return t_->visible.complete; }
-  MICROFACET_INLINE R excess_radius(const R& v) const { return t_->visible.excess_radius(twofold<R>(v)); }
+  MICROFACET_INLINE R excess_radius(const R& v) const
+    requires(tables::single)
+  {
+    return t_->visible.excess_radius(twofold<R>(v));
+  }
   MICROFACET_INLINE R moment_beyond(const R& t, const R& xi) const {
     const auto& v = t_->visible;
     const R odds = R(v.first_moment) / (v.moment(twofold<R>(t)) * (R(1) - xi)) - R(1);

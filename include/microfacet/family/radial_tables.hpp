@@ -28,9 +28,8 @@ struct radial_error {
 
 template <class T>
 class radial_tables {
-  static constexpr bool single = sizeof(T) == 4;
-
  public:
+  static constexpr bool single = sizeof(T) == 4;
   using table = piecewise<T, single ? 8 : 18>;
 
   table root_D;        // sqrt(P22) (1 + r2) at r2: D(z, h2) = (root_D(h2/z^2)/(z^2 + h2))^2 stays away from 0
