@@ -30,6 +30,17 @@ struct isotropic_model {
   }
 };
 
+// Directions of a family that is no stretch: under the shape of the other families' directions, so that its
+// tables are read by their kernels.
+template <class Tag>
+struct unstretched_model : isotropic_model<Tag> {
+  template <class Lanes>
+  static anisotropic_shape<Lanes> shape(const twofold<Lanes>*) {
+    const Lanes one(1);
+    return anisotropic_shape<Lanes>(one, one, one, Lanes(0));
+  }
+};
+
 template <class Tag>
 struct stretched_model {
   using tag = Tag;
@@ -71,22 +82,22 @@ ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& s
 
 // The tables of a density, for as long as someone uses them; none where the parameters lie outside the domain
 // or the tables miss the accuracy contract.
-template <class Model, class Real>
+template <class Tag, class Real>
 std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameters, unsigned functions) {
-  using family = typename Model::family;
-  constexpr std::size_t count = Model::count - Model::first, own = family::parameters.size();
+  using family = typename Tag::template type<double>;
+  constexpr std::size_t own = family::parameters.size(), count = own + (family::shape_invariant ? 0 : 1);
   static prepared_cache<Real, count> cache;
   std::array<double, count> key;
   for (std::size_t i = 0; i < count; ++i) {
     const bool scale = i + own < count;
     const parameter domain = scale ? parameter{"alpha", 0, inf, 0} : family::parameters[i + own - count];
-    key[i] = parameters[Model::first + i];
+    key[i] = parameters[i];
     const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
     if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;
   }
   return cache.get(key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
     const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
-      tables.build(typename Model::tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
+      tables.build(typename Tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
     };
     build(std::make_index_sequence<count>());
   });
@@ -97,7 +108,7 @@ auto prepared_tables(const double* parameters, unsigned functions) {
   if constexpr (requires { Model::tag::template tables<Real>(0.0); }) {  // tables with a name: radial.hpp
     return Model::tag::template tables<Real>(parameters[Model::first]);
   } else {
-    return cached_tables<Model, Real>(parameters, functions);
+    return cached_tables<typename Model::tag, Real>(parameters + Model::first, functions);
   }
 }
 

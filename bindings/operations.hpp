@@ -131,13 +131,14 @@ bool add_operations(PyObject* space) {
                cosine_sample>(space, ""))
     return false;
   // Where a value is costly, what a stretch costs besides is not worth kernels without it.
-  if constexpr (family::costly == 0 || !family::shape_invariant) {
-    if (!add_direction_operations<isotropic_model<Tag>>(space, "isotropic_")) return false;
-  }
-  if constexpr (family::shape_invariant) {
+  if constexpr (!family::shape_invariant) {
+    return add_direction_operations<unstretched_model<Tag>>(space, "isotropic_");
+  } else {
+    if constexpr (family::costly == 0) {
+      if (!add_direction_operations<isotropic_model<Tag>>(space, "isotropic_")) return false;
+    }
     return add_direction_operations<stretched_model<Tag>>(space, "stretched_");
   }
-  return true;
 }
 
 }  // namespace microfacet::bindings
