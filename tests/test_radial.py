@@ -213,3 +213,8 @@ def test_the_density_of_horizontal_normals_is_no_nan() -> None:
     z = 10.0 ** -np.arange(1.0, 160.0)
     for ndf in (mf.RadialNDF(lambda r: np.exp(-(r**4))), mf.RadialNDF(lambda r: (1.0 + r * r) ** -3.0)):
         assert np.isfinite(ndf.D(np.ones_like(z), np.zeros_like(z), z)).all()
+
+
+def test_visible_normals_are_for_families() -> None:
+    with pytest.raises(NotImplementedError, match=r"RadialNDF\.sample_visible: only the families have it"):
+        mf.RadialNDF(lambda r: np.exp(-r * r)).sample_visible([0, 0, 1], [0.5, 0.5])

@@ -106,8 +106,8 @@ class Sampling(Quantities):
         scheme : {"continuous", "mixture"}
             "continuous" gives a normal that is continuous in `xi`, where the family has such a scheme, for
             quasi-Monte Carlo points: the first uniform is the probability of a smaller slope in the plane of
-            incidence. "mixture", for random walks, costs less: in float32 nothing iterates. Closed samplers have
-            one scheme under both names.
+            incidence. "mixture", for random walks, costs less: in float32 nothing iterates. Closed samplers
+            have one scheme under both names.
         bounded : bool
             GGX alone, for reflection: leave out what would reflect `w` below the horizon, as far as a
             spherical cap can. The density is then ``pdf_visible(m, w, bounded=True)``.
@@ -117,8 +117,8 @@ class Sampling(Quantities):
         Returns
         -------
         ndarray, shape (..., 3)
-            Unit normals with m.z > 0 and m . w >= 0; nan where `xi` lies outside [0, 1) and straight down,
-            where sigma(w) = 0.
+            Unit normals with m.z > 0 and, but for rounding, m . w >= 0; nan where `xi` lies outside [0, 1) and
+            straight down, where sigma(w) = 0.
 
         Examples
         --------
@@ -146,6 +146,8 @@ class Sampling(Quantities):
         return normals
 
     def _visible_quantity(self, owner: str, scheme: str, bounded: bool) -> str:
+        if not hasattr(self.kernels, "visible_dims"):
+            raise NotImplementedError(f"{owner}: only the families have it; sample draws from D cos(theta)")
         if scheme not in ("continuous", "mixture"):
             raise ValueError(f'{owner}: scheme must be "continuous" or "mixture", got {scheme!r}')
         if bounded:

@@ -67,9 +67,9 @@ class visible_slope_solver : visible_functions<Family, T> {
     // range of the family's functions.
     for (int i = 0; i < 16; ++i) {
       const T after = next(v), moved = select(moving & (after >= T(0)), after, v);
-      // Convergence is cubic, or nearly.
+      // Convergence is quadratic at least.
       moving =
-          moving & (abs(moved - v) > T(single ? 3e-3 : 1e-6) * select(on_lower_, minimum(v, T(c_ - v)), v));
+          moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * select(on_lower_, minimum(v, T(c_ - v)), v));
       v = moved;
       if (!any(moving)) break;
     }
