@@ -117,8 +117,8 @@ class Sampling(Quantities):
         Returns
         -------
         ndarray, shape (..., 3)
-            Unit normals with m.z > 0 and, but for rounding, m . w >= 0; nan where `xi` lies outside [0, 1) and
-            straight down, where sigma(w) = 0.
+            Unit normals with m.z > 0 and, but for rounding, m . w >= 0; nan where `xi` lies outside [0, 1)
+            and straight down, where sigma(w) = 0.
 
         Examples
         --------
