@@ -186,7 +186,7 @@ struct ufunc_loops {
     }
   }
 
-  // Whether all that the operation needs of the density is costly: no table stands for a closed form.
+  // Whether all that the operation needs of the density is costly: no table stands for a short closed form.
   static constexpr bool pays_to_prepare() {
     if constexpr (Model::family::costly == 0) {
       return false;
