@@ -105,8 +105,8 @@ class Inputs:
 
     @cached_property
     def xi(self) -> Array:
-        """Uniform random numbers (3, length): what a distribution samples from, transposed."""
-        return np.stack([self._random(seed) for seed in (2, 3, 9)])
+        """Uniform random numbers (4, length): what a distribution samples from, transposed."""
+        return np.stack([self._random(seed) for seed in (2, 3, 9, 10)])
 
     @cached_property
     def direction(self) -> tuple[Array, Array, Array]:

@@ -79,6 +79,9 @@ def test_the_baseline_agrees_on_directions(family: Any, dtype: type) -> None:
         columns = each(columns, lambda c, chosen=chosen: c[chosen])
         expected = evaluate(kernels(family, best)[name], columns)
         absolute = contract.tolerance if "_sample" in name else contract.smallest  # of unit vectors
+        if dtype is np.float32 and name.endswith("mixture"):
+            # sqrt(R^2 - P^2) with R from a table has the root of float32's rounding where it is small.
+            absolute = 1e-3
         tolerances = {"rtol": contract.tail_tolerance, "atol": absolute}
         np.testing.assert_allclose(evaluate(f, columns), expected, **tolerances, err_msg=name)
 

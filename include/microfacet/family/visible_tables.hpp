@@ -33,37 +33,43 @@ class visible_samples {
   [[gnu::noinline]] R moment(const R& t) const {
     return family_.slope_excess(slope<R>(t)) + t * family_.slope_sf(slope<R>(t));
   }
-  // Newton's method on logarithms.
+  // Newton's method on logarithms; a lane that has converged stays, whatever its neighbours do.
   R moment_radius(const R& L) const {
     const R odds = elementary::exp(L), target = log(all_) - log(R(1) + odds);
     R y = R(0.5) * (log(R(2) * all_ / maximum(P2(R(sqrt(all_))), R(1e-3))) + log(log1p(odds)));
+    auto moving = y == y;
     for (int i = 0; i < 60; ++i) {
       const R t = elementary::exp(y), m = moment(t);
       const R change = (log(m) - target) * m / maximum(R(t * t * P2(t)), R(1e-300));
-      y = y + minimum(maximum(change, R(-1)), R(1));
-      if (!any(abs(change) > R(1e-15))) break;
+      y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
+      moving = moving & (abs(change) > R(1e-12));
+      if (!any(moving)) break;
     }
     return elementary::exp(y);
   }
   R excess_radius(const R& L) const {
     R y = minimum(R(L + log(all_)), R(R(0.5) * log(log1p(exp(minimum(L, R(600)))))));
+    auto moving = y == y;
     for (int i = 0; i < 60; ++i) {
       const R t = elementary::exp(y), J = family_.slope_excess(slope<R>(t));
       const R change = (y - log(maximum(J, R(1e-300))) - L) /
                        (R(1) + t * family_.slope_sf(slope<R>(t)) / maximum(J, R(1e-300)));
-      y = y - minimum(maximum(change, R(-1)), R(1));
-      if (!any(abs(change) > R(1e-15))) break;
+      y = select(moving, R(y - minimum(maximum(change, R(-1)), R(1))), y);
+      moving = moving & (abs(change) > R(1e-12));
+      if (!any(moving)) break;
     }
     return elementary::exp(y);
   }
   R marginal_radius(const R& L) const {
     const R target = -log(elementary::exp(L) + inverse_peak_), h(1e-4);
     R y(0);
+    auto moving = y == y;
     for (int i = 0; i < 80; ++i) {
       const R value = log(P2(elementary::exp(y))), slope = (value - log(P2(elementary::exp(R(y + h))))) / h;
       const R change = (value - target) / maximum(slope, R(1e-6));
-      y = y + minimum(maximum(change, R(-1)), R(1));
-      if (!any(abs(change) > R(1e-14))) break;
+      y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
+      moving = moving & (abs(change) > R(1e-11));
+      if (!any(moving)) break;
     }
     return elementary::exp(y);
   }
