@@ -79,7 +79,7 @@ def _run(case: Case, samples: int, tests: int) -> Outcome:
     grid = case.chi2(samples, tests)
     slope = case.slope(samples, tests) if case.has_slope else None
     passed = grid.passed and (slope is None or slope.passed)
-    return Outcome(case, grid.p_value, slope and slope.p_value, abs(grid.mass - 1.0), passed)
+    return Outcome(case, grid.p_value, None if slope is None else slope.p_value, abs(grid.mass - 1.0), passed)
 
 
 def _rows(outcomes: list[Outcome]) -> Iterator[str]:

@@ -58,12 +58,12 @@ class prepared {
   MICROFACET_INLINE R moment_beyond(const R& t, const R& xi) const {
     const auto& v = t_->visible;
     const R odds = R(v.first_moment) / (v.moment(twofold<R>(t)) * (R(1) - xi)) - R(1);
-    return maximum(R(v.moment_radius(twofold<R>(minimum(odds, largest_slope<R>())))), t);
+    return maximum(R(v.moment_radius(twofold<R>(minimum(odds, R(1e37))))), t);
   }
   MICROFACET_INLINE R across_of_tables(const R& along, const R& xi, const R& turn) const {
     const auto& v = t_->visible;
     const R density = maximum(P2(slope<R>(along)), smallest<R>()), start(v.inverse_P2);
-    const R inverse = minimum(R(R(1) / (density * (R(1) - xi)) - start), largest_slope<R>());
+    const R inverse = minimum(R(R(1) / (density * (R(1) - xi)) - start), R(1e37));
     const R length = v.marginal_radius(twofold<R>(inverse));
     const R rest = maximum(R((length - along) * (length + along)), R(0));
     return sqrt(rest) * elementary::cos_sin_of_turns(R(R(0.5) * turn)).cosine;

@@ -132,15 +132,23 @@ class visible_tables {
       };
       t = piecewise_fit<table>(sample, range)();
     };
+    // Heavy tails are powers by exp(60), light ones go on.
+    const auto fill_far = [&](table& t, const auto& function, fit_range range) {
+      range.upper = single ? 86 : 60;
+      fill(t, function, range);
+      if (t.error < 1) return;
+      range.upper = 60;
+      fill(t, function, range);
+    };
     constexpr double tiny = std::numeric_limits<T>::min(), central = single ? 20 : 50,
                      least = single ? -87 : -700;
     // Near 0 the inverses of differences have the digits of float32 alone.
     const double peak = samples.inverse_peak(), smallest = single ? 1e-6 : 0.02;
     const double from = std::log(peak > 1e-290 ? smallest * peak : 1 / samples.at(1e-8));
-    fill(moment_radius, [&](const R& L) { return samples.moment_radius(L); },
-         {single ? -14.0 : -1.0, 60, 1, 0, 1e-30, 50});
-    fill(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); },
-         {from, 60, from + 2, 0, 1e-30, 50});
+    fill_far(moment_radius, [&](const R& L) { return samples.moment_radius(L); },
+             {single ? -14.0 : -1.0, 60, 1, 0, 1e-30, 50});
+    fill_far(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); },
+             {from, 60, from + 2, 0, 1e-30, 50});
     if constexpr (single) {
       fill(moment, [&](const R& L) { return samples.moment(R(elementary::exp(L))); },
            {least, 20, least, samples.all(), tiny, central});
