@@ -148,7 +148,28 @@ struct ufunc_loops {
     const auto d = prepared_distribution<Model, table_lanes>(*tables, numbers);
     in_blocks<Compute, T>(plan, args, steps, n, true, table_kernel<table_lanes, decltype(d)>(), &d);
     keep_above<Compute, T>(args, steps, n);
+    if constexpr (of_visible_normals && std::is_same_v<Compute, float>) draw_rest_in_double(args, steps, n);
     return true;
+  }
+
+  // Directions so far below the horizon that tables in float32 do not reach them were left at nan.
+  static void draw_rest_in_double(char* const* args, const npy_intp* steps, npy_intp n) {
+    const auto left = [&](npy_intp i) {
+      const float z = *reinterpret_cast<const float*>(args[inputs + 2] + i * steps[inputs + 2]);
+      return z != z;
+    };
+    for (npy_intp first = 0, last; first < n; first = last + 1) {
+      while (first < n && !left(first)) ++first;
+      last = first;
+      while (last < n && left(last)) ++last;
+      if (last == first) continue;
+      const auto at = shifted(args, steps, first);
+      if constexpr (pays_to_prepare()) {
+        run_prepared<double, float>(at.data(), steps, last - first);
+      } else {
+        run<double, float>(at.data(), steps, last - first, true);
+      }
+    }
   }
 
   template <class T>
@@ -170,6 +191,16 @@ struct ufunc_loops {
           static_cast<double>(*reinterpret_cast<const stored_parameter<float>*>(args[own] + i * steps[own])));
     }
     return true;
+  }
+
+  // Whether a result takes the place of an argument, which then cannot be read a second time.
+  static bool in_place(char* const* args) {
+    return std::any_of(args + inputs, args + inputs + outputs,
+                       [&](const char* out) { return std::find(args, args + inputs, out) != args + inputs; });
+  }
+  // Whether tables in float32 serve: visible normals may need a second look (draw_rest_in_double).
+  static bool serves_float32(char* const* args, const npy_intp* steps) {
+    return fits_float32(args, steps, 0) && !(of_visible_normals && in_place(args));
   }
 
   // Runs of elements of one kind, each in its own arithmetic.
@@ -209,7 +240,7 @@ struct ufunc_loops {
     const bool constant = std::all_of(steps + values, steps + inputs, [](npy_intp s) { return s == 0; });
     if constexpr (pays_to_prepare()) {
       if (constant && (WideParameters || n >= long_array)) {
-        const bool fits = std::is_same_v<T, double> || fits_float32(args, steps, 0);
+        const bool fits = std::is_same_v<T, double> || serves_float32(args, steps);
         if (fits ? run_prepared<T, T>(args, steps, n) : run_prepared<double, T>(args, steps, n)) return;
       }
       if constexpr (of_visible_normals) {  // from tables alone, in float32 if they need it
@@ -218,7 +249,7 @@ struct ufunc_loops {
       }
     }
     if constexpr (composes_from_tables && std::is_same_v<T, float>) {
-      if (constant && fits_float32(args, steps, 0) && run_prepared<float, float>(args, steps, n)) return;
+      if (constant && serves_float32(args, steps) && run_prepared<float, float>(args, steps, n)) return;
     }
     if constexpr (!of_visible_normals || !pays_to_prepare()) {
       if constexpr (std::is_same_v<T, float> && Model::family::native_float32) {

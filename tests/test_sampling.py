@@ -93,3 +93,34 @@ def test_the_weight_of_a_sample_is_g2_over_g1(ndf: Any, degrees: float) -> None:
     deviation = weights.std() / np.sqrt(len(weights))
     assert abs(weights.mean() - albedo) < 4.5 * deviation + 1e-6
     assert deviation < 2e-3, "so that a wrong weight would show"
+
+
+DEEP = [
+    (mf.StudentT(alpha=0.01, gamma=20.0), 130),
+    (mf.StudentT(alpha=0.1, gamma=20.0), 170),
+    (mf.BesselK(alpha=0.01, a=1.3), 130),
+    (mf.BesselK(alpha=0.1, a=10.0), 170),
+    (mf.Beckmann(alpha=0.1), 130),
+]
+
+
+@pytest.mark.parametrize("scheme", ["continuous", "mixture"])
+@pytest.mark.parametrize(("ndf", "degrees"), DEEP, ids=str)
+def test_float32_reaches_directions_whose_area_it_cannot_hold(ndf: Any, degrees: int, scheme: str) -> None:
+    w = towards(degrees)
+    assert 0 < ndf.sigma(w) < 1e-30
+    dims = ndf.visible_dims if scheme == "continuous" else ndf.mixture_dims
+    xi = np.random.default_rng(3).random((4000, dims))
+
+    def slopes(dtype: type, in_place: bool = False) -> Array:
+        uniforms = xi.astype(dtype)
+        room = uniforms[:, :3] if in_place else None
+        x, y, z = ndf.sample_visible(w.astype(dtype), uniforms, scheme=scheme, out=room).T.astype(np.float64)
+        return np.abs(np.stack((x / z, y / z)))
+
+    double, single = slopes(np.float64), slopes(np.float32)
+    spread = np.std(double - single if scheme == "continuous" else double, axis=1)
+    difference = np.abs(double.mean(axis=1) - single.mean(axis=1))
+    assert np.all(difference < 1e-6 * double.mean(axis=1) + 5 * spread * np.sqrt(2 / 4000))
+    if dims >= 3:  # where results replace the uniform numbers
+        np.testing.assert_allclose(slopes(np.float32, in_place=True)[0], single[0], rtol=1e-5)

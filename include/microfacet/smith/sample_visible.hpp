@@ -85,6 +85,18 @@ vec3<T> normal_of_visible(const Shape& shape, const standard_direction<T>& w, co
   return {x * z, y * z, z};
 }
 
+// Whether tables in float32 reach as far below the horizon as x; otherwise nan is drawn, and the caller may
+// draw in double.
+template <class Family, class T>
+auto tables_reach(const Family& family, const T& x) {
+  constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+  if constexpr (single) {
+    return (x > T(0)) | (family.slope_excess(slope<T>(abs(x))) > T(1e-30));
+  } else {
+    return x == x;
+  }
+}
+
 // A call, so that what surrounds it stays short.
 template <class Family, class T>
 [[gnu::noinline]] visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0,
@@ -98,7 +110,8 @@ template <class Family, class T>
   if constexpr (requires { family.sf_over_density(x); }) {
     return from(family);
   } else {
-    return from(visible_tails<Family, T>(family));
+    const visible_slopes<T> s = from(visible_tails<Family, T>(family));
+    return {where(tables_reach(family, x), s.along), s.across};
   }
 }
 template <class Family, class T>

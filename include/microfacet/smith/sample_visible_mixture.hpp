@@ -33,15 +33,18 @@ visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& exc
                                   const uniforms<T>& u) {
   const auto solved = [&] { return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]); };
   if constexpr (requires { family.excess_radius(X); }) {
+    // Of tables alone, where there is no form that reaches further.
+    const auto reached = tables_reach(family, T(-X));
     const auto composed = [&]() -> visible_slopes<T> {
       const T least = maximum(family.excess_radius(X / maximum(T(excess * part), smallest<T>())), X);
       const T along = family.moment_beyond(least, u.xi[1]);
-      return {along, family.across_of_tables(along, u.xi[2], u.xi[3])};
+      return {where(reached, along), family.across_of_tables(along, u.xi[2], u.xi[3])};
     };
-    // Almost straight down the tables have ended.
-    constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
-    const auto deep = excess < T(single ? 1e-30 : 1e-290);
-    return family.composes() ? choose(deep, solved, composed) : solved();
+    if constexpr (requires { family.sf_over_density(X); }) {
+      return choose(reached, composed, solved);
+    } else {
+      return family.composes() ? composed() : solved();
+    }
   } else {
     return solved();
   }
