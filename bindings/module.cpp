@@ -73,6 +73,7 @@ bool add_family(PyObject* module) {
 // exp itself through the same loops: what the kernels are measured against.
 struct exponential {
   static constexpr const char* name = "exp";
+  static constexpr unsigned needs = 0;
   static constexpr layout<1> shape{};
   template <class Distribution, class T>
   MICROFACET_INLINE static void apply(const Distribution&, const T* x, T* out) {

@@ -176,7 +176,6 @@ inline bool add_radial(PyObject* space) {
       {"load", load_radial, METH_O, "load(bytes) -> (capsule, handle)"},
       {nullptr, nullptr, 0, nullptr}};
   return PyModule_AddFunctions(space, methods) == 0 && add(space, "parameters", PyTuple_New(0)) &&
-         add_direction_operations<isotropic_model<radial_tag>>(space, "isotropic_") &&
          add_direction_operations<stretched_model<radial_tag>>(space, "stretched_");
 }
 

@@ -196,7 +196,7 @@ def test_is_a_value() -> None:
 
 def test_unknown_handle_is_nan() -> None:
     for handle in (0.0, -1.0, 1e300, math.nan, math.inf, 1e9):
-        assert math.isnan(mf.RadialNDF.kernels.isotropic_D(0.1, 0.0, 1.0, 0.3, handle))
+        assert math.isnan(mf.RadialNDF.kernels.stretched_D(0.1, 0.0, 1.0, 0.3, 0.3, 0.0, handle))
 
 
 def test_threads_share_one_density() -> None:
