@@ -1,12 +1,10 @@
 // How arrays become lanes and lanes become arrays: any stride, any count up to the number of lanes.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstring>
-#include <type_traits>
 
 #include "microfacet/core/elementary.hpp"
+#include "microfacet/core/lanes.hpp"
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -34,22 +32,6 @@ template <class T, int = 1>
 using lanes = T;
 #endif
 inline constexpr int most_registers = 2;
-
-template <class Lanes>
-using lane_of = typename scalar_traits<Lanes>::real;
-template <class Lanes>
-inline constexpr int width = sizeof(Lanes) / sizeof(lane_of<Lanes>);
-
-template <class Lanes>
-MICROFACET_INLINE Lanes load(const lane_of<Lanes>* source) {
-  Lanes result;
-  std::memcpy(&result, source, sizeof result);
-  return result;
-}
-template <class Lanes>
-MICROFACET_INLINE void store(const Lanes& values, lane_of<Lanes>* target) {
-  std::memcpy(target, &values, sizeof values);
-}
 
 // Kernels compute with nan and inf on purpose, and subnormal numbers cost ten times as much as others: flush
 // them to zero inside a loop, and give the caller back the control word and flags as they were.

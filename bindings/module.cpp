@@ -4,6 +4,7 @@
 #define MICROFACET_IMPORT_NUMPY
 #include <string>
 
+#include "family_for_materials.hpp"
 #include "microfacet/family/all.hpp"
 #include "operations.hpp"
 #include "radial.hpp"
@@ -58,7 +59,8 @@ bool add_family(PyObject* module) {
   const std::string name(Family::name);
   PyObject* space = PyModule_New(("microfacet._core." MICROFACET_NAME "." + name).c_str());
   if (space == nullptr) return false;
-  const bool complete = add_operations<Tag>(space) && add(space, "parameters", parameters<Family>()) &&
+  using model = std::conditional_t<Family::shape_invariant, stretched_model<Tag>, unstretched_model<Tag>>;
+  const bool complete = add_operations<Tag>(space) && add_materials_of<model>(space) && add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
                         add(space, "visible_dims", visible_dims<Family>()) &&
                         add(space, "mixture_dims", mixture_dims<Family>()) &&

@@ -4,18 +4,6 @@
 // (family/prepared.hpp) where its parameters are constant and that pays.
 #pragma once
 
-#define PY_SSIZE_T_CLEAN
-#include <Python.h>
-#define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
-#define PY_ARRAY_UNIQUE_SYMBOL microfacet_array_api
-#define PY_UFUNC_UNIQUE_SYMBOL microfacet_ufunc_api
-#ifndef MICROFACET_IMPORT_NUMPY
-#define NO_IMPORT_ARRAY
-#define NO_IMPORT_UFUNC
-#endif
-#include <numpy/ndarrayobject.h>
-#include <numpy/ufuncobject.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,6 +20,7 @@
 #include "microfacet/smith/sample_normal.hpp"
 #include "microfacet/smith/sample_visible_bounded.hpp"
 #include "microfacet/smith/sample_visible_mixture.hpp"
+#include "numpy.hpp"
 #include "policy.hpp"
 
 namespace microfacet::bindings {
@@ -141,20 +130,11 @@ struct ufunc_loops {
       for (npy_intp i = 0; i < n; ++i) *reinterpret_cast<T*>(args[a] + i * steps[a]) = nan<T>();
   }
 
-  // Whether the scales of element i leave float32 room for their squares and the reciprocals of these.
   static bool fits_float32(const operation_kernels& op, char* const* args, const npy_intp* steps,
                            npy_intp i) {
     const arguments at = shifted(op, args, steps, i);
-    for (std::size_t a = 0; a < Model::scales; ++a) {
-      const double scale = stored<float>(op, at.data(), a);
-      if (scale < 1e-6 || scale > 1e6) return false;
-    }
-    // Steep slopes of a heavy tail leave float32.
-    if constexpr (requires { family::sampling_fits_float32(0.0); }) {
-      if (op.samples_visible)
-        return family::sampling_fits_float32(stored<float>(op, at.data(), Model::first));
-    }
-    return true;
+    return bindings::fits_float32<Model>(constant_parameters<float>(op, at.data()).data(),
+                                         op.samples_visible);
   }
   // Whether a result takes the place of an argument, which then cannot be read a second time.
   static bool in_place(const operation_kernels& op, char* const* args) {
@@ -213,41 +193,12 @@ struct ufunc_loops {
   }
 };
 
-inline bool add(PyObject* space, const char* name, PyObject* value) {
-  if (value == nullptr) return false;
-  const int status = PyObject_SetAttrString(space, name, value);
-  Py_DECREF(value);
-  return status == 0;
-}
-
-// NumPy keeps pointers to these for as long as the ufunc lives, which is until Python ends.
-struct ufunc_record {
-  std::array<PyUFuncGenericFunction, 2> loops;
-  std::array<void*, 2> kernels;
-  std::array<char, 2 * 16> types;
-};
-
-inline bool add_ufunc(PyObject* space, const std::string& name, const char* own_name,
-                      const operation_kernels& op, const std::array<PyUFuncGenericFunction, 2>& loops) {
-  const std::size_t arguments = op.plan.inputs + op.plan.outputs;
-  void* const kernels = const_cast<operation_kernels*>(&op);
-  auto* record = new ufunc_record{loops, {kernels, kernels}, {}};
-  char* const types = record->types.data();
-  std::fill_n(types, arguments, static_cast<char>(NPY_FLOAT));
-  std::fill_n(types + arguments, arguments, static_cast<char>(NPY_DOUBLE));
-  if (op.plan.wide_parameters)
-    std::fill(types + op.plan.values, types + op.plan.inputs, static_cast<char>(NPY_DOUBLE));
-  return add(space, name.c_str(),
-             PyUFunc_FromFuncAndData(record->loops.data(), record->kernels.data(), types, 2,
-                                     static_cast<int>(op.plan.inputs), static_cast<int>(op.plan.outputs),
-                                     PyUFunc_None, own_name, nullptr, 0));
-}
-
 template <class Model, bool WideParameters, class... Operation>
 bool add_all(PyObject* space, const char* prefix) {
   using loops = ufunc_loops<Model, WideParameters>;
   return (add_ufunc(space, std::string(prefix) + Operation::name, Operation::name,
-                    kernels_of_operation<Model, Operation, WideParameters>,
+                    kernels_of_operation<Model, Operation, WideParameters>.plan,
+                    &kernels_of_operation<Model, Operation, WideParameters>,
                     {&loops::template loop<float>, &loops::template loop<double>}) &&
           ...);
 }

@@ -1,0 +1,38 @@
+// Facets that are mirrors of a metal.
+#pragma once
+
+#include "microfacet/bsdf/fresnel.hpp"
+#include "microfacet/bsdf/geometry.hpp"
+#include "microfacet/bsdf/masking.hpp"
+#include "microfacet/bsdf/scattered.hpp"
+
+namespace microfacet {
+
+template <class T>
+class conductor {
+ public:
+  // The indices of refraction of the metal over that of the medium above, eta - i k; eta = inf is a perfect
+  // mirror.
+  static constexpr int parameters = 2, uniforms = 0;
+
+  conductor(const T& eta, const T& k) : eta_(eta), k_(k) {}
+  explicit conductor(const T* p) : conductor(p[0], p[1]) {}
+
+  T reflectance(const T& cosine) const {
+    return select(eta_ == T(inf), T(T(1) + T(0) * cosine), fresnel_conductor(cosine, eta_, k_));
+  }
+
+  vec3<T> facet(const vec3<T>& wi, const vec3<T>& wo) const { return reflecting_facet(wi, wo); }
+  // The part of the light from wi that a facet m = facet(wi, wo) sends to wo, per steradian.
+  T phase(const vec3<T>& wi, const vec3<T>&, const vec3<T>& m, const facet_statistics<T>& at) const {
+    return reflectance(dot(wi, m)) * pdf_of_mirrors(at);
+  }
+  scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T&, const T&) const {
+    return {reflect(wi, m), reflectance(dot(wi, m)), wi.z != wi.z};
+  }
+
+ private:
+  T eta_, k_;
+};
+
+}  // namespace microfacet

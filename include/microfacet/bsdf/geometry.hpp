@@ -1,0 +1,72 @@
+// Directions that a facet sends into each other. All point away from it.
+#pragma once
+
+#include "microfacet/core/math.hpp"
+#include "microfacet/core/vec.hpp"
+
+namespace microfacet {
+
+template <class T>
+vec3<T> scaled(const vec3<T>& a, const T& factor) {
+  return {a.x * factor, a.y * factor, a.z * factor};
+}
+// a + factor b
+template <class T>
+vec3<T> along(const vec3<T>& a, const vec3<T>& b, const T& factor) {
+  return {multiply_add(factor, b.x, a.x), multiply_add(factor, b.y, a.y), multiply_add(factor, b.z, a.z)};
+}
+template <class T>
+vec3<T> unit(const vec3<T>& a) {
+  return scaled(a, T(T(1) / sqrt(dot(a, a))));
+}
+template <class T, class Mask>
+vec3<T> select(const Mask& mask, const vec3<T>& a, const vec3<T>& b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+
+// The mirror image of w about the normal m.
+template <class T>
+vec3<T> reflect(const vec3<T>& w, const vec3<T>& m) {
+  return along(scaled(w, T(-1)), m, T(T(2) * dot(w, m)));
+}
+
+// The direction in which light from w passes on, where cosine_t is the cosine behind the facet
+// (fresnel_dielectric).
+template <class T>
+vec3<T> refract(const vec3<T>& w, const vec3<T>& m, const T& eta, const T& cosine_t) {
+  const T inverse = T(1) / eta;
+  return along(scaled(w, T(-inverse)), m, T(dot(w, m) * inverse - cosine_t));
+}
+
+// A normal along h; where there is none, one that no facet has.
+template <class T>
+vec3<T> facet_along(const vec3<T>& h) {
+  const T length2 = dot(h, h);
+  const auto none = length2 < smallest<T>();
+  return select(none, vec3<T>{T(0), T(0), T(-1)}, scaled(h, T(T(1) / sqrt(select(none, T(1), length2)))));
+}
+// The normal of the facet that reflects wi into wo.
+template <class T>
+vec3<T> reflecting_facet(const vec3<T>& wi, const vec3<T>& wo) {
+  return facet_along(along(wi, wo, T(1)));
+}
+// The one that refracts wi into wo, on the side of wi; there is such a facet where wo lies on its other side.
+template <class T>
+vec3<T> refracting_facet(const vec3<T>& wi, const vec3<T>& wo, const T& eta) {
+  const vec3<T> h = along(wi, wo, eta);
+  return facet_along(scaled(h, select(dot(wi, h) < T(0), T(-1), T(1))));
+}
+
+// Normals per direction out, |dm/dwo|. Walter et al., Microfacet models for refraction through rough
+// surfaces, 2007, equations 14 and 17.
+template <class T>
+T reflection_jacobian(const vec3<T>& wi, const vec3<T>& m) {
+  return T(0.25) / dot(wi, m);
+}
+template <class T>
+T refraction_jacobian(const vec3<T>& wi, const vec3<T>& wo, const vec3<T>& m, const T& eta) {
+  const T out = eta * dot(wo, m), sum = dot(wi, m) + out;
+  return eta * abs(out) / (sum * sum);
+}
+
+}  // namespace microfacet
