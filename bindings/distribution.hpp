@@ -33,7 +33,7 @@ class array_distribution {
   }
   void draw(quantity q, int n, const walk_vectors<Real>& w, const walk_array<Real>* xi,
             walk_vectors<Real>& m) const {
-    const std::array<const Real*, 7> in{w.x.data(),     w.y.data(),     w.z.data(),    xi[0].data(),
+    const std::array<const Real*, 7> in{w.x.data(),   w.y.data(),   w.z.data(),  xi[0].data(),
                                         xi[1].data(), xi[2].data(), xi[3].data()};
     const std::array<Real*, 3> out{m.x.data(), m.y.data(), m.z.data()};
     of(q).kernel(of(q).distribution, in.data(), out.data(), n);

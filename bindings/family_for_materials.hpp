@@ -19,9 +19,12 @@ struct kernels_for_materials {
   }
   static const operation_kernels* of(quantity q) {
     switch (q) {
-      case quantity::D: return of<D_of_normal>();
-      case quantity::area: return of<sigma_of_direction>();
-      case quantity::visible: return of<visible_sample>();
+      case quantity::D:
+        return of<D_of_normal>();
+      case quantity::area:
+        return of<sigma_of_direction>();
+      case quantity::visible:
+        return of<visible_sample>();
       case quantity::visible_of_mixture:
         if constexpr (requires { family::mixture_dimensions; }) return of<visible_sample_of_mixture>();
         break;
@@ -31,7 +34,8 @@ struct kernels_for_materials {
       case quantity::pdf_bounded:
         if constexpr (requires { &family::bounded_facet; }) return of<bounded_pdf>();
         break;
-      case quantity::count: break;
+      case quantity::count:
+        break;
     }
     return nullptr;
   }
@@ -82,7 +86,8 @@ struct kernels_for_materials {
 template <class Model>
 bool add_materials_of(PyObject* space) {
   using kernels = kernels_for_materials<Model>;
-  return add_materials(space, {Model::count, &kernels::template with<float>, &kernels::template with<double>});
+  return add_materials(space,
+                       {Model::count, &kernels::template with<float>, &kernels::template with<double>});
 }
 
 }  // namespace microfacet::bindings

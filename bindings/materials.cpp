@@ -97,7 +97,9 @@ class single_step {
     });
     look();
     d_.area(b_.padded, blocking_, blocked_);
-    each([&](int i) { put(given(i).eval(at<L>(m_, i), statistics(i), correlated(), radiance()), b_.out[0], i); });
+    each([&](int i) {
+      put(given(i).eval(at<L>(m_, i), statistics(i), correlated(), radiance()), b_.out[0], i);
+    });
   }
   // wi, wo, material | bounded
   void pdf() {
@@ -132,6 +134,25 @@ class single_step {
     if (bounded) d_.pdf_bounded(b_.padded, m_, wi_, pdf_bounded_);
     each([&](int i) { finish(i, bounded); });
   }
+  // wi, m, material | correlated: what the facets m send on their way and out, of light from wi, per
+  // steradian of normals: mirrored, and passed.
+  void facets() {
+    each([&](int i) {
+      put(pair(material(6, i), wi(i), wi(i)).wi(), wi_, i);
+      put(b_.template direction<L>(3, i), m_, i);
+      put(through(i, L(0)).blocking(), blocking_, i), put(through(i, L(1)).blocking(), other_, i);
+    });
+    look();
+    d_.area(b_.padded, blocking_, blocked_), d_.area(b_.padded, other_, pdf_bounded_);
+    each([&](int i) {
+      const auto part = [&](const L& xi, const walk_array<Real>& blocked) {
+        return through(i, xi).of_facet(at<L>(m_, i), {at<L>(D_, i), at<L>(area_, i), at<L>(blocked, i)},
+                                       correlated());
+      };
+      put(part(L(0), blocked_), b_.out[0], i);
+      put(transmits ? part(L(1), pdf_bounded_) : L(0), b_.out[1], i);
+    });
+  }
 
  private:
   static constexpr bool transmits = requires(const Material<L> m) { m.eta(); };
@@ -150,7 +171,8 @@ class single_step {
   }
   static L bounded_density(const vec3<L>& wi, const vec3<L>& m, const L& density) {
     const L cosine = dot(wi, m);
-    return select((cosine > L(0)) & (wi.z > L(0)), L(density * reflection_jacobian(wi, m)), L(L(0) * density));
+    return select((cosine > L(0)) & (wi.z > L(0)), L(density * reflection_jacobian(wi, m)),
+                  L(L(0) * density));
   }
 
   template <class Function>
@@ -169,9 +191,8 @@ class single_step {
   pair drawn(int i) const {
     return pair::drawn(material(7, i), wi(i), at<L>(m_, i), b_.template at<L>(6, i));
   }
-  facet_statistics<L> statistics(int i) const {
-    return {at<L>(D_, i), at<L>(area_, i), at<L>(blocked_, i)};
-  }
+  pair through(int i, const L& xi) const { return pair::drawn(material(6, i), wi(i), at<L>(m_, i), xi); }
+  facet_statistics<L> statistics(int i) const { return {at<L>(D_, i), at<L>(area_, i), at<L>(blocked_, i)}; }
 
   const array_distribution<Real>& d_;
   material_block<Real>& b_;
@@ -250,18 +271,24 @@ template <template <class> class Material, class Real>
 void single_sample(const array_distribution<Real>& d, material_block<Real>& b) {
   single_step<Material, Real>(d, b).sample();
 }
+template <template <class> class Material, class Real>
+void single_facets(const array_distribution<Real>& d, material_block<Real>& b) {
+  single_step<Material, Real>(d, b).facets();
+}
 
 #define MICROFACET_MATERIAL(NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, KERNEL, MATERIAL) \
-  { NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, &KERNEL<MATERIAL, float>, &KERNEL<MATERIAL, double> }
+  {NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, &KERNEL<MATERIAL, float>, &KERNEL<MATERIAL, double>}
 constexpr material_operation operations[] = {
     MICROFACET_MATERIAL("conductor_eval", 8, 0, 2, 1, single_eval, conductor),
     MICROFACET_MATERIAL("conductor_pdf", 8, 0, 1, 1, single_pdf, conductor),
     MICROFACET_MATERIAL("conductor_sample", 9, 0, 3, 5, single_sample, conductor),
+    MICROFACET_MATERIAL("conductor_facets", 8, 0, 1, 2, single_facets, conductor),
     MICROFACET_MATERIAL("conductor_walk", 5, 1, 2, 5, walk_sample, conductor),
     MICROFACET_MATERIAL("conductor_walk_eval", 8, 1, 5, 1, walk_eval, conductor),
     MICROFACET_MATERIAL("dielectric_eval", 7, 0, 2, 1, single_eval, dielectric),
     MICROFACET_MATERIAL("dielectric_pdf", 7, 0, 1, 1, single_pdf, dielectric),
     MICROFACET_MATERIAL("dielectric_sample", 8, 0, 3, 5, single_sample, dielectric),
+    MICROFACET_MATERIAL("dielectric_facets", 7, 0, 1, 2, single_facets, dielectric),
     MICROFACET_MATERIAL("dielectric_walk", 4, 1, 2, 5, walk_sample, dielectric),
     MICROFACET_MATERIAL("dielectric_walk_eval", 7, 1, 5, 1, walk_eval, dielectric),
     MICROFACET_MATERIAL("diffuse_walk", 4, 1, 2, 5, walk_sample, diffuse),
@@ -315,8 +342,7 @@ void run_constant(const material_call& call) {
   if (std::is_same_v<T, float> && with(0.0F)) return;
   if (with(0.0)) return;
   for (std::size_t a = call.ufunc.inputs(); a < call.ufunc.inputs() + op.outputs; ++a)
-    for (npy_intp i = 0; i < call.n; ++i)
-      *reinterpret_cast<T*>(call.args[a] + i * call.steps[a]) = nan<T>();
+    for (npy_intp i = 0; i < call.n; ++i) *reinterpret_cast<T*>(call.args[a] + i * call.steps[a]) = nan<T>();
 }
 
 template <class T>

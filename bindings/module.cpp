@@ -5,6 +5,7 @@
 #include <string>
 
 #include "family_for_materials.hpp"
+#include "microfacet/bsdf/conductor.hpp"
 #include "microfacet/family/all.hpp"
 #include "operations.hpp"
 #include "radial.hpp"
@@ -60,7 +61,8 @@ bool add_family(PyObject* module) {
   PyObject* space = PyModule_New(("microfacet._core." MICROFACET_NAME "." + name).c_str());
   if (space == nullptr) return false;
   using model = std::conditional_t<Family::shape_invariant, stretched_model<Tag>, unstretched_model<Tag>>;
-  const bool complete = add_operations<Tag>(space) && add_materials_of<model>(space) && add(space, "parameters", parameters<Family>()) &&
+  const bool complete = add_operations<Tag>(space) && add_materials_of<model>(space) &&
+                        add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
                         add(space, "visible_dims", visible_dims<Family>()) &&
                         add(space, "mixture_dims", mixture_dims<Family>()) &&
@@ -99,6 +101,26 @@ struct no_model {
   }
 };
 
+// Smooth interfaces.
+struct reflectance_of_dielectric {
+  static constexpr const char* name = "fresnel_dielectric";
+  static constexpr unsigned needs = 0;
+  static constexpr layout<2> shape{};
+  template <class Distribution, class T>
+  MICROFACET_INLINE static void apply(const Distribution&, const T* x, T* out) {
+    out[0] = fresnel_dielectric(x[0], x[1]).reflected;
+  }
+};
+struct reflectance_of_conductor {
+  static constexpr const char* name = "fresnel_conductor";
+  static constexpr unsigned needs = 0;
+  static constexpr layout<3> shape{};
+  template <class Distribution, class T>
+  MICROFACET_INLINE static void apply(const Distribution&, const T* x, T* out) {
+    out[0] = conductor<T>(x[1], x[2]).reflectance(x[0]);
+  }
+};
+
 bool add_radial_space(PyObject* module) {
   PyObject* space = PyModule_New("microfacet._core." MICROFACET_NAME ".radial");
   if (space == nullptr) return false;
@@ -116,7 +138,7 @@ PyObject* add_families(PyObject* module, const std::tuple<Tag...>&) {
   const bool complete = (add_family<Tag>(module) && ...);
   (PyTuple_SET_ITEM(names, i++, text(Tag::template type<double>::name)), ...);
   if (!complete || !add(module, "families", names) || !add_radial_space(module) ||
-      !add_all<no_model, false, exponential>(module, ""))
+      !add_all<no_model, false, exponential, reflectance_of_dielectric, reflectance_of_conductor>(module, ""))
     return nullptr;
   return module;
 }

@@ -36,7 +36,8 @@ struct ufunc_record {
   std::array<char, 2 * 32> types;
 };
 
-// A float32 and a float64 loop. Arguments behind the values of the plan are float64 in both, if they are wide.
+// A float32 and a float64 loop. Arguments behind the values of the plan are float64 in both, if they are
+// wide.
 inline bool add_ufunc(PyObject* space, const std::string& name, const char* own_name, const block_plan& plan,
                       const void* data, const std::array<PyUFuncGenericFunction, 2>& loops) {
   const std::size_t arguments = plan.inputs + plan.outputs;
@@ -44,7 +45,8 @@ inline bool add_ufunc(PyObject* space, const std::string& name, const char* own_
   char* const types = record->types.data();
   std::fill_n(types, arguments, static_cast<char>(NPY_FLOAT));
   std::fill_n(types + arguments, arguments, static_cast<char>(NPY_DOUBLE));
-  if (plan.wide_parameters) std::fill(types + plan.values, types + plan.inputs, static_cast<char>(NPY_DOUBLE));
+  if (plan.wide_parameters)
+    std::fill(types + plan.values, types + plan.inputs, static_cast<char>(NPY_DOUBLE));
   return add(space, name.c_str(),
              PyUFunc_FromFuncAndData(record->loops.data(), record->data.data(), types, 2,
                                      static_cast<int>(plan.inputs), static_cast<int>(plan.outputs),

@@ -30,6 +30,14 @@ from microfacet._radial import RadialNDF
 
 if TYPE_CHECKING:
     from microfacet import testing
+    from microfacet._bsdf import (
+        Conductor,
+        Dielectric,
+        Diffuse,
+        fresnel_average,
+        fresnel_conductor,
+        fresnel_dielectric,
+    )
     from microfacet._fit import FitResult, fit
     from microfacet._surface import Surface, SurfaceError, read_surface, sample_terrain
 
@@ -39,6 +47,9 @@ __all__ = [
     "K0",
     "Beckmann",
     "BesselK",
+    "Conductor",
+    "Dielectric",
+    "Diffuse",
     "Family",
     "FitResult",
     "Parameter",
@@ -51,6 +62,9 @@ __all__ = [
     "bessel_k",
     "families",
     "fit",
+    "fresnel_average",
+    "fresnel_conductor",
+    "fresnel_dielectric",
     "ggx",
     "gtr",
     "k0",
@@ -62,8 +76,14 @@ __all__ = [
 
 __version__: str
 
-# Loaded at first use: they need SciPy, which an `import microfacet` for the ufuncs should not wait for.
+# Loaded at first use: most need SciPy, which an `import microfacet` for the ufuncs should not wait for.
 _LAZY = {
+    "Conductor": "microfacet._bsdf",
+    "Dielectric": "microfacet._bsdf",
+    "Diffuse": "microfacet._bsdf",
+    "fresnel_average": "microfacet._bsdf",
+    "fresnel_conductor": "microfacet._bsdf",
+    "fresnel_dielectric": "microfacet._bsdf",
     "FitResult": "microfacet._fit",
     "fit": "microfacet._fit",
     "Surface": "microfacet._surface",

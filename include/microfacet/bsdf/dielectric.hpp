@@ -24,6 +24,7 @@ class dielectric {
   }
 
   T eta() const { return eta_; }
+  T reflectance(const T& cosine) const { return fresnel_dielectric(cosine, eta_).reflected; }
 
   vec3<T> facet(const vec3<T>& wi, const vec3<T>& wo) const {
     return select(wo.z > T(0), reflecting_facet(wi, wo), refracting_facet(wi, wo, eta_));
@@ -33,10 +34,10 @@ class dielectric {
     return select(wo.z > T(0), reflected(wi, m, at), refracted(wi, wo, m, at));
   }
   T reflected(const vec3<T>& wi, const vec3<T>& m, const facet_statistics<T>& at) const {
-    return fresnel_dielectric(dot(wi, m), eta_).reflected * pdf_of_mirrors(at);
+    return reflectance(dot(wi, m)) * pdf_of_mirrors(at);
   }
   T refracted(const vec3<T>& wi, const vec3<T>& wo, const vec3<T>& m, const facet_statistics<T>& at) const {
-    const T cosine = dot(wi, m), passed = T(1) - fresnel_dielectric(cosine, eta_).reflected;
+    const T cosine = dot(wi, m), passed = T(1) - reflectance(cosine);
     const T density = cosine * at.D / at.area * refraction_jacobian(wi, wo, m, eta_);
     // An interface of equal indices deflects nothing: all goes to -wi, which has no density.
     const auto possible = (cosine > T(0)) & (dot(wo, m) < T(0)) & (eta_ != T(1));
@@ -45,7 +46,8 @@ class dielectric {
   // By the first uniform number one of both, with its own probability.
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T& xi, const T&) const {
     const fresnel_split<T> at = fresnel_dielectric(dot(wi, m), eta_);
-    const auto passed = xi >= at.reflected;
+    // Also for xi = 1, but where all is reflected.
+    const auto passed = (xi >= at.reflected) & (at.reflected < T(1));
     const vec3<T> through = refract(wi, m, eta_, at.cosine);
     const T weight = T(1) + T(0) * at.reflected;
     return {select(passed, select(eta_ == T(1), scaled(wi, T(-1)), through), reflect(wi, m)), weight, passed};

@@ -1,5 +1,5 @@
-// What facets send on their way and how much of that leaves the surface, from projected areas: free of Lambda,
-// which is infinite along the horizon.
+// What facets send on their way and how much of that leaves the surface, from projected areas: free of
+// Lambda, which is infinite along the horizon.
 #pragma once
 
 #include "microfacet/core/math.hpp"

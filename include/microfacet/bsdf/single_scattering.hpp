@@ -93,6 +93,16 @@ class scattering_pair {
     }
     return {scaled(wo_, turned_), inside(weight), select(wi_.z > T(0), density, T(T(0) * wi_.z))};
   }
+  // What leaves of the light that facets m mirror (a pair drawn with 0) or let pass (with 1), per steradian
+  // of normals.
+  T of_facet(const vec3<T>& m, const facet_statistics<T>& at, bool correlated) const {
+    const T cosine = dot(wi_, m), visible = maximum(cosine, T(0)) * at.D / at.area;
+    const T reflectance = material_.reflectance(cosine), passed = passed_;
+    const auto leaves = select(passed > T(0), T(-wo_.z), wo_.z) > T(0);
+    const T share = select(passed > T(0), T(T(1) - reflectance), reflectance);
+    const T value = visible * share * shadowing(wi_.z, wo_.z, at, correlated);
+    return inside(select(leaves, value, T(T(0) * visible)));
+  }
 
  private:
   T of_mirror(const vec3<T>& m, const facet_statistics<T>& at) const {
@@ -100,8 +110,7 @@ class scattering_pair {
   }
   T scale(bool radiance) const {
     if constexpr (transmits) {
-      if (radiance)
-        return select(wo_.z < T(0), T(T(1) / (material_.eta() * material_.eta())), T(1));
+      if (radiance) return select(wo_.z < T(0), T(T(1) / (material_.eta() * material_.eta())), T(1));
     }
     return T(1);
   }

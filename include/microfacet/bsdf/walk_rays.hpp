@@ -35,8 +35,8 @@ template <class T>
 struct walk_rays {
   static constexpr unsigned uniforms = 8;  // of a step: flight, facet (4), material (2), roulette
 
-  int alive = 0, padded = 0;     // arrays are valid up to `padded`, a multiple of any number of lanes
-  walk_vectors<T> w{}, back{};   // where light goes, and where it comes from
+  int alive = 0, padded = 0;    // arrays are valid up to `padded`, a multiple of any number of lanes
+  walk_vectors<T> w{}, back{};  // where light goes, and where it comes from
   walk_array<T> below{}, depth{}, throughput{}, area{};  // 1 below the facets; sigma(back)
   std::array<walk_array<T>, uniforms> xi{};
 

@@ -33,4 +33,6 @@ _kernels = import_module(f"{__name__}.{isa}")
 families = _kernels.families
 exp = _kernels.exp
 radial = _kernels.radial
+fresnel_dielectric = _kernels.fresnel_dielectric
+fresnel_conductor = _kernels.fresnel_conductor
 globals().update({name: getattr(_kernels, name) for name in families})

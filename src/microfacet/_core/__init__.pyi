@@ -16,3 +16,5 @@ families: tuple[str, ...]
 isa: str  # the build in use
 available: tuple[str, ...]  # the builds that this processor runs, the best one last
 exp: np.ufunc  # through the same loops as the kernels, which are measured against it
+fresnel_dielectric: np.ufunc
+fresnel_conductor: np.ufunc

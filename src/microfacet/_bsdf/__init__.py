@@ -1,0 +1,23 @@
+"""Materials of microfacets: what facets of a distribution do with light.
+
+Nothing is computed here. `fresnel.py` is one smooth interface, `material.py` what all materials share (shapes,
+random walks), `conductor.py`, `dielectric.py` and `diffuse.py` the materials.
+"""
+
+from __future__ import annotations
+
+from microfacet._bsdf.conductor import Conductor
+from microfacet._bsdf.dielectric import Dielectric
+from microfacet._bsdf.diffuse import Diffuse
+from microfacet._bsdf.fresnel import fresnel_average, fresnel_conductor, fresnel_dielectric
+from microfacet._bsdf.material import Material
+
+__all__ = [
+    "Conductor",
+    "Dielectric",
+    "Diffuse",
+    "Material",
+    "fresnel_average",
+    "fresnel_conductor",
+    "fresnel_dielectric",
+]

@@ -1,0 +1,186 @@
+"""Rough metals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microfacet._bsdf.material import NO_ORDER, Material, number, xyz
+from microfacet._frozen import Distribution
+
+__all__ = ["Conductor"]
+
+
+class Conductor(Material):
+    r"""A metal whose facets are smooth mirrors, with scattering of one order or of all.
+
+    Of one order, with the half vector m:
+
+    .. math:: f\,|\cos\theta_o| = \frac{F(\omega_i\cdot m)\, D(m)\, G_2(\omega_i, \omega_o)}{4\cos\theta_i}
+
+    What a facet sends back to the surface is lost then, up to more than half of the light. Of all orders it
+    goes on as a random walk, until it leaves.
+
+    Parameters
+    ----------
+    ndf : distribution
+        Of any family, such as `microfacet.StudentT`.
+    eta, k : array_like
+        The metal's index of refraction eta - i k over that of the medium above; arrays for several wavelengths,
+        whose axes come last in every result. The default, eta = inf, is a perfect mirror.
+    scattering : {"single", "multiple"}
+        One order, in closed form; or all of them, whose evaluation is a Monte Carlo estimate.
+    correlated : bool
+        Heights of masking and shadowing facets are correlated (Heitz 2014); False is Smith's product
+        G1(wi) G1(wo). Walks are always correlated.
+
+    Raises
+    ------
+    ValueError
+        If an argument lies outside its domain; the message names it.
+
+    References
+    ----------
+    B. Walter et al., Microfacet models for refraction through rough surfaces, EGSR 2007; E. Heitz,
+    Understanding the masking-shadowing function, JCGT 2014; E. Heitz et al., Multiple-scattering microfacet
+    BSDFs with the Smith model, SIGGRAPH 2016.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> gold = mf.Conductor(mf.StudentT(alpha=0.4, gamma=2.5), [0.18, 0.42, 1.37], [3.42, 2.35, 1.77])
+    >>> gold.eval([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]).round(3)
+    array([0.581, 0.478, 0.233])
+    >>> white = mf.Conductor(mf.GGX(alpha=1.0), scattering="multiple")
+    >>> wo, weight, facets = white.walk([0.6, 0.0, 0.8], rng=1)
+    >>> float(weight)
+    1.0
+    """
+
+    __slots__ = ("correlated",)
+    _name = "conductor"
+    correlated: bool
+
+    def __init__(
+        self,
+        ndf: Distribution,
+        eta: ArrayLike = np.inf,
+        k: ArrayLike = 0.0,
+        *,
+        scattering: str = "single",
+        correlated: bool = True,
+    ) -> None:
+        owner = type(self).__name__
+        constants = (
+            number(owner, "eta", eta, "in (0, inf]", lambda x: x > 0),
+            number(owner, "k", k, "in [0, inf)", lambda x: (x >= 0) & (x < np.inf)),
+        )
+        self._freeze(ndf, scattering, constants)
+        object.__setattr__(self, "correlated", bool(correlated))
+
+    @property
+    def eta(self) -> Any:
+        """Real part of the index of refraction."""
+        return self._constants[0][()]
+
+    @property
+    def k(self) -> Any:
+        """Imaginary part of the index of refraction."""
+        return self._constants[1][()]
+
+    def __repr__(self) -> str:
+        return f"Conductor({self.ndf!r}, eta={self.eta!r}, k={self.k!r}, scattering={self.scattering!r})"
+
+    def eval(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        *,
+        n: int = 1,
+        rng: Any = None,
+        orders: tuple[float, float] = (1, NO_ORDER),
+    ) -> Any:
+        """f |cos theta_o|: the light per steradian towards `wo`, of light from `wi`.
+
+        Parameters
+        ----------
+        wi, wo : array_like, shape (..., 3)
+            Unit directions, away from the surface. Below it nothing is scattered.
+        n : int
+            With multiple scattering, how many walks the estimate takes; its error falls like 1/sqrt(n).
+        rng : int or numpy.random.Generator, optional
+            With multiple scattering: the same seed gives every element the same walks, whatever the shape of
+            the arrays and the number of threads. An element's walks depend on its place in the result.
+        orders : (int, int)
+            With multiple scattering, the first and last number of facets met that count.
+
+        Returns
+        -------
+        ndarray or scalar, shape (..., *channels)
+        """
+        i, o = self._directions("eval", wi=wi, wo=wo)
+        if self.scattering == "multiple":
+            return self._walk_eval(i, o, rng, n, orders, 0.0)
+        return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), 0.0))
+
+    def pdf(self, wi: ArrayLike, wo: ArrayLike, *, bounded: bool = False) -> Any:
+        """Density per steradian of the directions that `sample` draws, D_visible(m)/(4 wi . m).
+
+        It is normalised over the whole sphere: facets also mirror into the surface, where `eval` is 0 and
+        samples have no weight. With multiple scattering `sample` draws by walks, whose density nobody knows;
+        then this is 3/4 of that density and 1/4 of that of a diffuse surface, a proposal for multiple
+        importance sampling.
+        """
+        i, o = self._directions("pdf", wi=wi, wo=wo)
+        constants = [np.asarray(x, i.dtype) for x in (np.inf, 0.0)]
+        density = self._kernel("pdf")(*xyz(i), *xyz(o), *constants, float(bounded), *self.ndf._values)
+        if self.scattering == "multiple":
+            diffuse = np.where(i[..., 2] > 0, np.maximum(o[..., 2], 0), 0) * i.dtype.type(1 / np.pi)
+            return (0.75 * density + 0.25 * diffuse).astype(i.dtype)[()]
+        return density
+
+    def sample(
+        self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None, bounded: bool = False
+    ) -> tuple[Any, Any, Any]:
+        """Directions drawn for `wi`, their weights and densities.
+
+        Parameters
+        ----------
+        wi : array_like, shape (..., 3)
+            Unit directions, away from the surface.
+        xi : array_like, shape (..., sample_dims)
+            Uniform numbers in [0, 1), for single scattering.
+        rng : int or numpy.random.Generator, optional
+            For multiple scattering, in place of `xi`.
+        bounded : bool
+            GGX alone: fewer samples below the surface; then the density is ``pdf(wi, wo, bounded=True)``.
+
+        Returns
+        -------
+        wo : ndarray, shape (..., 3)
+        weight : ndarray, shape (..., *channels)
+            ``eval/pdf`` of single scattering; of a walk, what is left of the light.
+        pdf : ndarray, shape (...)
+            What `pdf` says.
+        """
+        (i,) = self._directions("sample", wi=wi)
+        if self.scattering == "multiple":
+            wo, weight, _ = self._walk_sample(i, rng, 0.0)
+            return wo, weight, self.pdf(i, wo)
+        if xi is None:
+            raise ValueError(f"Conductor.sample: give xi, of shape (..., {self.sample_dims})")
+        if bounded:
+            self.ndf._require_bounded("Conductor.sample")
+        values = [*xyz(i), *self._uniforms(xi, i.dtype)]
+        x, y, z, weight, pdf = self._of("sample", values, (float(self.correlated), 0.0, float(bounded)))
+        wo = np.stack((x, y, z), axis=-1)
+        for _ in self._channels:  # which share their directions
+            wo, pdf = wo[..., 0, :], pdf[..., 0]
+        return wo, weight, pdf
+
+    def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
+        """Walks from `wi`: directions out, what is left of the light, and how many facets it met."""
+        (i,) = self._directions("walk", wi=wi)
+        return self._walk_sample(i, rng, 0.0)

@@ -1,0 +1,146 @@
+"""Rough transparent surfaces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microfacet._bsdf.material import NO_ORDER, Material, number, xyz
+from microfacet._frozen import Distribution
+
+__all__ = ["Dielectric"]
+
+
+class Dielectric(Material):
+    r"""A transparent surface whose facets reflect and refract, seen from either side.
+
+    Of one order, reflection is that of `Conductor`; transmission, with the facet m that refracts wi into wo:
+
+    .. math:: f\,|\cos\theta_o| = \frac{(1 - F)\, D(m)\, G_2(\omega_i, \omega_o)\,
+              |\omega_i\cdot m|\, \eta^2 |\omega_o\cdot m|}
+              {|\cos\theta_i|\, (\omega_i\cdot m + \eta\, \omega_o\cdot m)^2}
+
+    Parameters
+    ----------
+    ndf : distribution
+        Of any family.
+    eta : float
+        Index of refraction below the surface over that above, in (0, inf), whatever side wi is on. With 1
+        there is no surface: samples go straight on with weight 1, and no direction has a density.
+    scattering : {"single", "multiple"}
+        One order, in closed form; or all of them, whose evaluation is a Monte Carlo estimate.
+    mode : {"radiance", "importance"}
+        What wi carries backwards: radiance, as from a camera, is scaled by the square of the relative index
+        where light passes; importance is energy, of which nothing is lost.
+    correlated : bool
+        As for `Conductor`.
+
+    Raises
+    ------
+    ValueError
+        If an argument lies outside its domain; the message names it.
+
+    References
+    ----------
+    B. Walter et al., Microfacet models for refraction through rough surfaces, EGSR 2007; E. Heitz et al.,
+    Multiple-scattering microfacet BSDFs with the Smith model, SIGGRAPH 2016.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> glass = mf.Dielectric(mf.K0(alpha=0.3), 1.5, mode="importance")
+    >>> print(f"{glass.eval([0.6, 0.0, 0.8], [0.0, 0.0, -1.0]):.3f}")
+    0.014
+    >>> wo, weight, facets = glass.walk([0.6, 0.0, 0.8], rng=1)
+    >>> float(weight)
+    1.0
+    """
+
+    __slots__ = ("correlated", "mode")
+    _name = "dielectric"
+    _transmits = True
+    correlated: bool
+    mode: str
+
+    def __init__(
+        self,
+        ndf: Distribution,
+        eta: float,
+        *,
+        scattering: str = "single",
+        mode: str = "radiance",
+        correlated: bool = True,
+    ) -> None:
+        index = number("Dielectric", "eta", eta, "in (0, inf)", lambda x: (x > 0) & (x < np.inf))
+        if index.ndim != 0:
+            raise ValueError(f"Dielectric: eta must be one number, got an array of shape {index.shape}")
+        if mode not in ("radiance", "importance"):
+            raise ValueError(f'Dielectric: mode must be "radiance" or "importance", got {mode!r}')
+        self._freeze(ndf, scattering, (index,))
+        object.__setattr__(self, "mode", mode)
+        object.__setattr__(self, "correlated", bool(correlated))
+
+    @property
+    def eta(self) -> float:
+        """Index of refraction below the surface over that above."""
+        return float(self._constants[0])
+
+    def __repr__(self) -> str:
+        return (
+            f"Dielectric({self.ndf!r}, eta={self.eta!r}, scattering={self.scattering!r}, mode={self.mode!r})"
+        )
+
+    @property
+    def _radiance(self) -> float:
+        return float(self.mode == "radiance")
+
+    def eval(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        *,
+        n: int = 1,
+        rng: Any = None,
+        orders: tuple[float, float] = (1, NO_ORDER),
+    ) -> Any:
+        """f |cos theta_o|, as `Conductor.eval`; reflection where wi and wo lie on one side, else transmission."""
+        i, o = self._directions("eval", wi=wi, wo=wo)
+        if self.scattering == "multiple":
+            return self._walk_eval(i, o, rng, n, orders, self._radiance)
+        return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), self._radiance))
+
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
+        """Density per steradian of the directions that `sample` draws, normalised over the whole sphere.
+
+        It counts what facets mirror downwards or refract upwards too, though no light leaves that way at once.
+        With multiple scattering, 3/4 of that density and 1/4 of a cosine on both sides, a proposal.
+        """
+        i, o = self._directions("pdf", wi=wi, wo=wo)
+        density = self._of("pdf", [*xyz(i), *xyz(o)], (0.0,))
+        if self.scattering == "multiple":
+            cosine = np.abs(o[..., 2]) * i.dtype.type(0.5 / np.pi)
+            return (0.75 * density + 0.25 * cosine).astype(i.dtype)[()]
+        return density
+
+    def sample(self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None) -> tuple[Any, Any, Any]:
+        """Directions drawn for `wi`, their weights and densities, as `Conductor.sample`.
+
+        The last of the uniform numbers chooses between reflection and transmission.
+        """
+        (i,) = self._directions("sample", wi=wi)
+        if self.scattering == "multiple":
+            wo, weight, _ = self._walk_sample(i, rng, self._radiance)
+            return wo, weight, self.pdf(i, wo)
+        if xi is None:
+            raise ValueError(f"Dielectric.sample: give xi, of shape (..., {self.sample_dims})")
+        *facet, choice = self._uniforms(xi, i.dtype)
+        wide = (float(self.correlated), self._radiance, 0.0)
+        x, y, z, weight, pdf = self._of("sample", [*xyz(i), *facet, choice], wide)
+        return np.stack((x, y, z), axis=-1), weight, pdf
+
+    def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
+        """Walks from `wi`: directions out, what is left of the light, and how many facets it met."""
+        (i,) = self._directions("walk", wi=wi)
+        return self._walk_sample(i, rng, self._radiance)

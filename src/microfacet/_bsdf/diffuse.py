@@ -1,0 +1,104 @@
+"""Rough diffuse surfaces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microfacet._bsdf.material import NO_ORDER, Material, number
+from microfacet._frozen import Distribution
+
+__all__ = ["Diffuse"]
+
+
+class Diffuse(Material):
+    r"""A surface whose facets scatter by Lambert's law, of one order or of all.
+
+    .. math:: f\,|\cos\theta_o| = \frac{\rho}{\pi} \int D_{\omega_i}(m)\, \langle\omega_o, m\rangle\,
+              \frac{G_2(\omega_i, \omega_o)}{G_1(\omega_i)}\, dm
+
+    has no closed form, so that its evaluation is a Monte Carlo estimate for both: each walk brings a facet.
+
+    Parameters
+    ----------
+    ndf : distribution
+        Of any family.
+    albedo : array_like
+        What a facet scatters of the light on it, rho in [0, 1]; an array for several wavelengths.
+    scattering : {"single", "multiple"}
+        One order, or all of them.
+
+    Raises
+    ------
+    ValueError
+        If an argument lies outside its domain; the message names it.
+
+    References
+    ----------
+    E. Heitz and J. Dupuy, Implementing a simple anisotropic rough diffuse material with stochastic evaluation,
+    2015; E. Heitz et al., Multiple-scattering microfacet BSDFs with the Smith model, SIGGRAPH 2016.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> clay = mf.Diffuse(mf.Beckmann(alpha=0.6), 0.8, scattering="multiple")
+    >>> value = clay.eval([0.6, 0.0, 0.8], [0.0, 0.0, 1.0], n=100_000, rng=1)
+    >>> print(f"{value:.3f}")
+    0.249
+    """
+
+    __slots__ = ()
+    _name = "diffuse"
+
+    def __init__(self, ndf: Distribution, albedo: ArrayLike, *, scattering: str = "multiple") -> None:
+        rho = number("Diffuse", "albedo", albedo, "in [0, 1]", lambda x: (x >= 0) & (x <= 1))
+        self._freeze(ndf, scattering, (rho,))
+
+    @property
+    def albedo_of_facets(self) -> Any:
+        """What a facet scatters of the light on it."""
+        return self._constants[0][()]
+
+    def __repr__(self) -> str:
+        return f"Diffuse({self.ndf!r}, {self.albedo_of_facets!r}, scattering={self.scattering!r})"
+
+    def eval(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        *,
+        n: int = 1,
+        rng: Any = None,
+        orders: tuple[float, float] = (1, NO_ORDER),
+    ) -> Any:
+        """f |cos theta_o| estimated by `n` walks, as `Conductor.eval` with multiple scattering."""
+        i, o = self._directions("eval", wi=wi, wo=wo)
+        if self.scattering == "single":
+            orders = (max(1, orders[0]), min(1, orders[1]))
+        return self._walk_eval(i, o, rng, n, orders, 0.0)
+
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
+        """Density per steradian of a proposal for `wo`: that of a diffuse surface, cos/pi."""
+        i, o = self._directions("pdf", wi=wi, wo=wo)
+        return np.where(i[..., 2] > 0, np.maximum(o[..., 2], 0), 0)[()] * i.dtype.type(1 / np.pi)
+
+    def sample(self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None) -> tuple[Any, Any, Any]:
+        """Directions out of walks for `wi`, what is left of the light, and the density that `pdf` says.
+
+        With single scattering, light that met a second facet has no weight.
+        """
+        if xi is not None:
+            raise ValueError("Diffuse.sample: a walk takes rng, not xi")
+        (i,) = self._directions("sample", wi=wi)
+        wo, weight, facets = self._walk_sample(i, rng, 0.0)
+        if self.scattering == "single":
+            once = (facets == 1).reshape(facets.shape + (1,) * len(self._channels))
+            weight = np.where(once, weight, 0)
+        return wo, weight, self.pdf(i, wo)
+
+    def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
+        """Walks from `wi`: directions out, what is left of the light, and how many facets it met."""
+        (i,) = self._directions("walk", wi=wi)
+        return self._walk_sample(i, rng, 0.0)

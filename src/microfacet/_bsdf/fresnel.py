@@ -1,0 +1,118 @@
+"""Fresnel's equations at a smooth interface, for unpolarised light."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microfacet import _core
+
+__all__ = ["fresnel_average", "fresnel_conductor", "fresnel_dielectric"]
+
+
+def fresnel_dielectric(cosine: ArrayLike, eta: ArrayLike, *, out: Any = None, where: Any = True) -> Any:
+    r"""Reflectance of a smooth dielectric.
+
+    .. math:: F = \frac{r_s^2 + r_p^2}{2},\quad r_s = \frac{c - \eta c_t}{c + \eta c_t},\quad
+              r_p = \frac{\eta c - c_t}{\eta c + c_t},\quad \eta^2 (1 - c_t^2) = 1 - c^2
+
+    Parameters
+    ----------
+    cosine : array_like
+        Cosine c between the direction and the normal; its sign does not matter.
+    eta : array_like
+        Index of refraction behind the interface over that in front of it, in (0, inf).
+    out, where
+        As in every ufunc.
+
+    Returns
+    -------
+    ndarray or scalar
+        In [0, 1]; 1 beyond the critical angle, exactly 0 for eta = 1 but at grazing incidence; nan where eta
+        lies outside its domain.
+
+    References
+    ----------
+    M. Born and E. Wolf, Principles of Optics, section 1.5.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(f"{mf.fresnel_dielectric(1.0, 1.5):.4f} {mf.fresnel_dielectric(0.1, 1 / 1.5):.4f}")
+    0.0400 1.0000
+    """
+    return _core.fresnel_dielectric(cosine, eta, out=out, where=where)
+
+
+def fresnel_conductor(
+    cosine: ArrayLike, eta: ArrayLike, k: ArrayLike, *, out: Any = None, where: Any = True
+) -> Any:
+    """Reflectance of a smooth metal with the index of refraction eta - i k.
+
+    Parameters
+    ----------
+    cosine : array_like
+        Cosine between the direction and the normal; its sign does not matter.
+    eta, k : array_like
+        Real and imaginary part of the metal's index of refraction over that of the medium in front of it, eta
+        in (0, inf], k in [0, inf); eta = inf is a perfect mirror. Arrays of wavelengths broadcast.
+    out, where
+        As in every ufunc.
+
+    Returns
+    -------
+    ndarray or scalar
+        In [0, 1]; nan where eta or k lies outside its domain.
+
+    References
+    ----------
+    M. Born and E. Wolf, Principles of Optics, section 14.4.1.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(mf.fresnel_conductor(1.0, [0.18, 0.42, 1.37], [3.42, 2.35, 1.77]).round(2))  # gold
+    [0.94 0.78 0.37]
+    """
+    return _core.fresnel_conductor(cosine, eta, k, out=out, where=where)
+
+
+def fresnel_average(eta: ArrayLike, k: ArrayLike | None = None) -> Any:
+    r"""Reflectance under light from all sides, :math:`2 \int_0^1 F(c)\, c\, dc`.
+
+    Parameters
+    ----------
+    eta : array_like
+        As for `fresnel_conductor`, or for `fresnel_dielectric` where `k` is not given.
+    k : array_like, optional
+        Imaginary part, for a metal.
+
+    Returns
+    -------
+    ndarray or scalar
+        To about 1e-9.
+
+    Examples
+    --------
+    >>> import microfacet as mf
+    >>> print(f"{mf.fresnel_average(1.5):.6f}")
+    0.091778
+    """
+    indices = np.asarray(eta, dtype=np.float64)
+    nodes, weights = np.polynomial.legendre.leggauss(64)
+    t, weights = (nodes + 1) / 2, weights / 2
+    # For eta < 1 there is a square root at the critical angle: an integral on either side of it, in a variable
+    # that leaves none. F(c) c dc = F sin d(sin), sin = eta up to the critical angle.
+    bound = np.sqrt(np.clip(1 - indices**2, 0.0, 1.0)) if k is None else np.zeros_like(indices)
+    bound = bound[..., np.newaxis]
+    cosine = bound + (1 - bound) * t**2
+    jacobian = 2 * t * (1 - bound)
+    if k is None:
+        reflected = fresnel_dielectric(cosine, indices[..., np.newaxis])
+    else:
+        metal = np.asarray(k, dtype=np.float64)[..., np.newaxis]
+        reflected = fresnel_conductor(cosine, indices[..., np.newaxis], metal)
+    below = np.where(indices < 1, bound[..., 0] ** 2, 0.0)  # all is reflected
+    return (2 * np.sum(reflected * cosine * jacobian * weights, axis=-1) + below)[()]
