@@ -1,7 +1,7 @@
 """Materials of microfacets: what facets of a distribution do with light.
 
-Nothing is computed here. `fresnel.py` is one smooth interface, `material.py` what all materials share (shapes,
-random walks), `conductor.py`, `dielectric.py` and `diffuse.py` the materials.
+Nothing is computed here. `fresnel.py` is one smooth interface, `material.py` what all materials share
+(shapes, random walks), `conductor.py`, `dielectric.py` and `diffuse.py` the materials.
 """
 
 from __future__ import annotations

@@ -28,8 +28,8 @@ class Conductor(Material):
     ndf : distribution
         Of any family, such as `microfacet.StudentT`.
     eta, k : array_like
-        The metal's index of refraction eta - i k over that of the medium above; arrays for several wavelengths,
-        whose axes come last in every result. The default, eta = inf, is a perfect mirror.
+        The metal's index of refraction eta - i k over that of the medium above; arrays for several
+        wavelengths, whose axes come last in every result. The default, eta = inf, is a perfect mirror.
     scattering : {"single", "multiple"}
         One order, in closed form; or all of them, whose evaluation is a Monte Carlo estimate.
     correlated : bool

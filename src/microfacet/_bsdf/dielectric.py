@@ -105,7 +105,7 @@ class Dielectric(Material):
         rng: Any = None,
         orders: tuple[float, float] = (1, NO_ORDER),
     ) -> Any:
-        """f |cos theta_o|, as `Conductor.eval`; reflection where wi and wo lie on one side, else transmission."""
+        """f |cos theta_o|, as `Conductor.eval`: reflection with wi and wo on one side, else transmission."""
         i, o = self._directions("eval", wi=wi, wo=wo)
         if self.scattering == "multiple":
             return self._walk_eval(i, o, rng, n, orders, self._radiance)
@@ -114,7 +114,7 @@ class Dielectric(Material):
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """Density per steradian of the directions that `sample` draws, normalised over the whole sphere.
 
-        It counts what facets mirror downwards or refract upwards too, though no light leaves that way at once.
+        It counts what facets mirror downwards or refract upwards too, though no light leaves so at once.
         With multiple scattering, 3/4 of that density and 1/4 of a cosine on both sides, a proposal.
         """
         i, o = self._directions("pdf", wi=wi, wo=wo)

@@ -103,8 +103,8 @@ def fresnel_average(eta: ArrayLike, k: ArrayLike | None = None) -> Any:
     indices = np.asarray(eta, dtype=np.float64)
     nodes, weights = np.polynomial.legendre.leggauss(64)
     t, weights = (nodes + 1) / 2, weights / 2
-    # For eta < 1 there is a square root at the critical angle: an integral on either side of it, in a variable
-    # that leaves none. F(c) c dc = F sin d(sin), sin = eta up to the critical angle.
+    # For eta < 1 there is a square root at the critical angle: the integral begins there, in a variable that
+    # leaves none.
     bound = np.sqrt(np.clip(1 - indices**2, 0.0, 1.0)) if k is None else np.zeros_like(indices)
     bound = bound[..., np.newaxis]
     cosine = bound + (1 - bound) * t**2
