@@ -38,7 +38,8 @@ class Diffuse(Material):
     References
     ----------
     E. Heitz and J. Dupuy, Implementing a simple anisotropic rough diffuse material with stochastic
-    evaluation, 2015; E. Heitz et al., Multiple-scattering microfacet BSDFs with the Smith model, SIGGRAPH 2016.
+    evaluation, 2015; E. Heitz et al., Multiple-scattering microfacet BSDFs with the Smith model, SIGGRAPH
+    2016.
 
     Examples
     --------
