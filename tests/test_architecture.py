@@ -140,6 +140,7 @@ def public_functions() -> dict[str, Callable[[], Any]]:
         "families": mf.families,
         "sample_terrain": mf.sample_terrain,
         "testing": lambda: mf.testing.sidak(0.01, 2),
+        "roughness": lambda: mf.roughness(mf.sample_terrain()),
         "fit": lambda: mf.fit(slopes, families=["beckmann"]),
     }
     for family in mf.families():
@@ -156,7 +157,7 @@ def public_functions() -> dict[str, Callable[[], Any]]:
     return calls
 
 
-NEED_INPUT = {"read_surface"}  # a file; tests/test_surface.py
+NEED_INPUT = {"read_normal_map", "read_slopes", "read_surface"}  # files; tests/test_surface_files.py
 
 
 def test_every_public_name_works_twice() -> None:

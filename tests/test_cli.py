@@ -473,4 +473,4 @@ def test_verify_refuses_what_its_checks_do_not_cover(run: Run) -> None:
 def test_report_refuses_options_of_a_surface_without_one(run: Run) -> None:
     result = run("report", "--quick", "--lag", "3", "--family", "ggx")
     assert result.exit_code == 2
-    assert "go with --surface" in result.stderr
+    assert "--lag goes with --surface" in result.stderr

@@ -342,13 +342,13 @@ def test_a_valid_x3p_of_our_own(tmp_path):
 
 def test_a_reader_that_hangs_or_dies_is_one_sentence(tmp_path, monkeypatch):
     pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
-    from microfacet._surface import library
+    from microfacet._surface import process
 
     (tmp_path / "map.opd").write_bytes(b"anything")
-    monkeypatch.setattr(library, "TIMEOUT", 0.05)
+    monkeypatch.setattr(process, "TIMEOUT", 0.05)
     check_refused(tmp_path / "map.opd", "longer than 0.05 seconds")
-    monkeypatch.setattr(library, "TIMEOUT", 60.0)
-    monkeypatch.setattr(library, "_BASE_BYTES", 2**26)  # not enough to start the library
+    monkeypatch.setattr(process, "TIMEOUT", 60.0)
+    monkeypatch.setattr(process, "_BASE_BYTES", 2**26)  # not enough to start the library
     check_refused(tmp_path / "map.opd", "memory|cannot be read")
 
 

@@ -66,7 +66,7 @@ def rough_surface() -> mf.Surface:
     heights = np.random.default_rng(3).normal(size=(48, 64))
     for axis in (0, 1, 0, 1):
         heights = heights + np.roll(heights, 1, axis)
-    return mf.Surface(heights * 1e-7, pixel_size=1e-6, source="synthetic & <small>")
+    return mf.Surface(heights * 1e-7, pixel_size=1e-6, source="synthetic & <small>").level()
 
 
 @pytest.fixture(scope="module")

@@ -39,7 +39,17 @@ if TYPE_CHECKING:
         fresnel_dielectric,
     )
     from microfacet._fit import FitResult, fit
-    from microfacet._surface import Surface, SurfaceError, read_surface, sample_terrain
+    from microfacet._surface import (
+        Roughness,
+        SlopeSample,
+        Surface,
+        SurfaceError,
+        read_normal_map,
+        read_slopes,
+        read_surface,
+        roughness,
+        sample_terrain,
+    )
 
 __all__ = [
     "GGX",
@@ -54,6 +64,8 @@ __all__ = [
     "FitResult",
     "Parameter",
     "RadialNDF",
+    "Roughness",
+    "SlopeSample",
     "StudentT",
     "Surface",
     "SurfaceError",
@@ -68,7 +80,10 @@ __all__ = [
     "ggx",
     "gtr",
     "k0",
+    "read_normal_map",
+    "read_slopes",
     "read_surface",
+    "roughness",
     "sample_terrain",
     "student_t",
     "testing",
@@ -86,9 +101,14 @@ _LAZY = {
     "fresnel_dielectric": "microfacet._bsdf",
     "FitResult": "microfacet._fit",
     "fit": "microfacet._fit",
+    "Roughness": "microfacet._surface",
+    "SlopeSample": "microfacet._surface",
     "Surface": "microfacet._surface",
     "SurfaceError": "microfacet._surface",
+    "read_normal_map": "microfacet._surface",
+    "read_slopes": "microfacet._surface",
     "read_surface": "microfacet._surface",
+    "roughness": "microfacet._surface",
     "sample_terrain": "microfacet._surface",
 }
 

@@ -83,9 +83,10 @@ def report(
 
     if surface and terrain:
         raise click.UsageError("--surface and --terrain exclude each other")
-    if not surface and any(value is not None for value in reading.values()):
-        raise click.UsageError("--channel, --pixel-size, --unit and --lag go with --surface")
-    measured = surfaces.load(surface, **reading) if surface else mf.sample_terrain() if terrain else None
+    if reading and not surface:
+        raise click.UsageError(f"--{next(iter(reading)).replace('_', '-')} goes with --surface")
+    prepared = surfaces.load(surface, **reading) if surface else None
+    measured = mf.sample_terrain().level() if terrain else prepared
     with progress() as tell:
         result = build(output, families or None, parameters, measured, tell, quick)
     if as_json:
@@ -253,7 +254,7 @@ def fit(file: str, reading: dict[str, Any], families: tuple[str, ...], as_json: 
     """
     from microfacet._console import records, surfaces, tables
 
-    surface = surfaces.load(file, **reading).level()
+    surface = surfaces.load(file, **reading)
     results = mf.fit(surface, families=families or None)
     if as_json:
         click.echo(json.dumps(records.fits(surface, results), allow_nan=False))

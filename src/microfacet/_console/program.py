@@ -86,20 +86,37 @@ def parameter_options(command: Command) -> Command:
     return wrapped
 
 
-def surface_options(command: Command) -> Command:
-    """Options that say how to read a measured surface; the command gets them all as `reading`."""
+# How to read and prepare a measured surface, in the order in which it is done.
+_SURFACE: dict[str, dict[str, Any]] = {
+    "channel": {"metavar": "NAME", "help": "Which map of a file that holds several: name or number."},
+    "pixel_size": {"type": float, "metavar": "X", "help": "In metres, for a file that states none."},
+    "unit": {"metavar": "NAME", "help": "Of the lengths in a file that states none."},
+    "scale": {"type": float, "metavar": "X", "help": "Metres per grey level of a height image."},
+    "outliers": {"type": float, "metavar": "X", "help": "Mask what sticks out by X robust deviations."},
+    "level": {
+        "metavar": "KIND",
+        "help": "plane (default), three-point, none, or the degree of a polynomial.",
+    },
+    "level_point": {"multiple": True, "metavar": "COLUMN,ROW", "help": "A point of three-point; thrice."},
+    "form": {"metavar": "KIND", "help": "Remove a sphere, or a polynomial of this degree."},
+    "s_filter": {"type": float, "metavar": "X", "help": "Cut-off of a Gaussian S-filter, in metres."},
+    "l_filter": {"type": float, "metavar": "X", "help": "Cut-off of a Gaussian L-filter, in metres."},
+    "lag": {"type": click.IntRange(min=1), "metavar": "N", "help": "Pixels to either side of a slope."},
+    "lag_length": {"type": float, "metavar": "X", "help": "The same in metres."},
+}
 
-    @click.option("--channel", metavar="NAME", help="Which map of a file that holds several: name or number.")
-    @click.option("--pixel-size", type=float, metavar="X", help="In metres, for a file that states none.")
-    @click.option("--unit", metavar="NAME", help="Of the lengths in a file that states none.")
-    @click.option("--lag", type=click.IntRange(min=1), metavar="N", help="Pixels to either side of a slope.")
+
+def surface_options(command: Command) -> Command:
+    """Options that read and prepare a measured surface; the command gets those given as `reading`."""
+
     @functools.wraps(command)
-    def wrapped(
-        channel: str | None, pixel_size: float | None, unit: str | None, lag: int | None, **rest: Any
-    ) -> Any:
-        reading = {"channel": channel, "pixel_size": pixel_size, "unit": unit, "lag": lag}
+    def wrapped(**rest: Any) -> Any:
+        values = {name: rest.pop(name) for name in _SURFACE}
+        reading = {name: value for name, value in values.items() if value not in (None, ())}
         return command(reading=reading, **rest)
 
+    for name, how in reversed(_SURFACE.items()):
+        wrapped = click.option(f"--{name.replace('_', '-')}", **how)(wrapped)
     return wrapped
 
 

@@ -51,10 +51,9 @@ class MeasuredSurface:
 
 
 def measured_surface(surface: Any, names: tuple[str, ...]) -> MeasuredSurface:
-    """Level a surface, take its slopes, fit the families and draw what one sees."""
-    levelled = surface.level()
-    slopes = levelled.slopes()
-    fits = mf.fit(levelled, families=names, max_slopes=MAX_SLOPES)
+    """Take the slopes of a prepared surface, fit the families and draw what one sees."""
+    slopes = surface.slopes()
+    fits = mf.fit(surface, families=names, max_slopes=MAX_SLOPES)
     titles = {family.name: family.title for family in mf.families()}
     best = fits[0]
     rows = tuple(
@@ -71,14 +70,14 @@ def measured_surface(surface: Any, names: tuple[str, ...]) -> MeasuredSurface:
         for fit in fits
     )
     return MeasuredSurface(
-        source=levelled.source,
+        source=surface.source,
         steps=(
-            *levelled.steps,
-            f"{_count(len(slopes))} slopes by central differences over {levelled.lag} px to either side",
+            *surface.steps,
+            f"{_count(len(slopes))} slopes by central differences over {surface.lag} px to either side",
         ),
         notes=_notes(fits, titles),
         n=best.n,
-        figures=(_map(levelled), *_overlays(slopes - np.asarray(best.mean_slope), fits, titles)),
+        figures=(_map(surface), *_overlays(slopes - np.asarray(best.mean_slope), fits, titles)),
         rows=rows,
     )
 
@@ -115,8 +114,8 @@ def _map(surface: Any) -> FigureBlock:
     steps = f"{nx}\u2009×\u2009{ny} heights, {_length(dx)} × {_length(dy)} apart"
     return FigureBlock(
         "surface-map",
-        (inline_svg(figure, "surface-m", "Shaded relief of the levelled heights"),),
-        f"The levelled heights as shaded relief, lit from the upper left ({steps}); light is high.",
+        (inline_svg(figure, "surface-m", "Shaded relief of the prepared heights"),),
+        f"The prepared heights as shaded relief, lit from the upper left ({steps}); light is high.",
     )
 
 

@@ -1,15 +1,7 @@
-"""The child process of `library.py`: a request on stdin, a line of JSON and the heights on stdout.
-
-It is run as a script and imports nothing of microfacet, so that it starts with its memory limit in place and
-loads only what reading needs.
-"""
+"""SurfaceTopography, in the child process of `process.py`. It imports nothing of microfacet."""
 
 from __future__ import annotations
 
-import json
-import logging
-import os
-import sys
 from typing import Any
 
 import numpy as np
@@ -20,52 +12,19 @@ class Unusable(Exception):
     """The file can be parsed but not used; the message is for the user."""
 
 
-def main() -> None:
-    request = json.load(sys.stdin)
-    # Libraries may print; only this function writes to the real stdout.
-    output = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
-    logging.disable()
-    limit_memory(request["max_bytes"])
-    try:
-        answer, heights = read(request["path"], request["channel"], request["max_pixels"])
-    except Unusable as error:
-        answer, heights = {"error": str(error)}, None
-    except MemoryError:
-        answer, heights = {"error": "reading it needs more memory than a file of its size should"}, None
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200]
-        answer, heights = {"error": f"cannot be read ({type(error).__name__}: {reason})"}, None
-    output.write(json.dumps(answer).encode() + b"\n")
-    if heights is not None:
-        output.write(np.ascontiguousarray(heights, dtype=np.float64).data)
-    output.flush()
-    os._exit(0)  # no destructors of half-opened files
-
-
-def limit_memory(bytes_: int) -> None:
-    try:
-        import resource
-    except ImportError:  # Windows has no such limit; the checks of sizes remain
-        return
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    limit = bytes_ if hard == resource.RLIM_INFINITY else min(bytes_, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
-
-
-def read(path: str, wanted: int | str | None, max_pixels: int) -> tuple[dict[str, Any], NDArray[np.float64]]:
+def read(request: dict[str, Any]) -> tuple[dict[str, Any], NDArray[np.float64]]:
     """The answer without the heights, and the heights (ny, nx) with nan where undefined."""
     from SurfaceTopography import open_topography
     from SurfaceTopography.Exceptions import CannotDetectFileFormat
 
     try:
-        reader = open_topography(path)
+        reader = open_topography(request["path"])
     except CannotDetectFileFormat:  # its message lists every attempt
         raise Unusable("this is not a height map in a format that SurfaceTopography reads") from None
-    channel = select(reader, wanted)
+    channel = select(reader, request["channel"])
     nx, ny = channel.nb_grid_pts
-    if nx * ny > max_pixels:
-        raise Unusable(f"a map of {nx} x {ny} pixels exceeds the limit of {max_pixels} pixels")
+    if nx * ny > request["max_pixels"]:
+        raise Unusable(f"a map of {nx} x {ny} pixels exceeds the limit of {request['max_pixels']} pixels")
     stated = channel.physical_sizes
     # The library refuses to build a map without a size; ours come from the caller, later.
     topography = reader.topography(
@@ -101,7 +60,3 @@ def select(reader: Any, wanted: int | str | None) -> Any:
 
 def is_height_map(channel: Any) -> bool:
     return channel.dim == 2 and (channel.unit is None or isinstance(channel.unit, str))
-
-
-if __name__ == "__main__":
-    main()

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
-from microfacet._surface.surface import MAX_PIXELS, SurfaceError
+from microfacet._surface.checks import MAX_PIXELS, SurfaceError
 
 __all__ = ["MAX_ARCHIVE_BYTES", "check_archive", "is_npy", "npz_names", "read_npy", "read_npz"]
 

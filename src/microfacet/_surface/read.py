@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-import stat
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet._surface import library, numpy_files, x3p
-from microfacet._surface.surface import METRES_PER_UNIT, Surface, SurfaceError, pixel_sizes
+from microfacet._surface import images, library, numpy_files, process, text_files, x3p
+from microfacet._surface.checks import METRES_PER_UNIT, SurfaceError, checked_file, pixel_sizes
+from microfacet._surface.surface import Surface
 
-__all__ = ["MAX_FILE_BYTES", "read_surface"]
+__all__ = ["read_surface"]
 
-#: Files larger than this are refused unread.
-MAX_FILE_BYTES = 2**30
 _NPZ_KEYS = ("pixel_size", "dx", "dy", "mask", "unit")
 
 
@@ -27,14 +26,16 @@ def read_surface(
     channel: int | str | None = None,
     pixel_size: float | tuple[float, float] | None = None,
     unit: str | None = None,
+    height_scale: float | None = None,
 ) -> Surface:
     """Read a measured height map.
 
-    ``.npy`` and ``.npz`` (never unpickling anything) and ``.x3p`` (ISO 25178-72, a matrix of binary heights)
-    are read here; every other format (Bruker ``.di`` and ``.spm``, Park ``.tiff``, Wyko ``.opd``, ``.sur``,
-    ``.al3d``, ``.gwy``, …, about 40) by SurfaceTopography, the optional extra ``microfacet[surface]``, in a
-    process of its own with bounded memory and time. What is not finite in the file or marked as invalid there
-    becomes a masked pixel.
+    ``.npy`` and ``.npz`` (never unpickling anything), ``.x3p`` (ISO 25178-72, a matrix of binary heights),
+    ESRI ASCII grids and plain tables of numbers are read here. Images (PNG, TIFF, GeoTIFF, EXR) and every
+    other format (Bruker ``.di`` and ``.spm``, Park ``.tiff``, Wyko ``.opd``, ``.sur``, ``.al3d``, ``.gwy``,
+    …, about 40) are read by the libraries of the optional extra ``microfacet[surface]``, in a process of
+    their own with bounded memory and time. What is not finite in the file or marked as invalid there becomes
+    a masked pixel.
 
     Parameters
     ----------
@@ -50,7 +51,11 @@ def read_surface(
         Pixel size ``(dx, dy)`` in metres, for files that do not state one. It replaces what the file states.
     unit : str, optional
         The unit of lengths in the file, for files that do not state one: km, m, cm, mm, um, nm, A, pm or fm;
-        metres by default for ``.npy`` and ``.npz``. A file that states another unit is an error.
+        metres by default for ``.npy``, ``.npz``, text and GeoTIFF. A file that states another unit is an
+        error.
+    height_scale : float, optional
+        Metres per grey level, for images: PNG and TIFF of 16 or 32 bits, or EXR. (8 bits are refused: 256
+        heights leave no slopes to look at.) GeoTIFF heights are metres without it.
 
     Returns
     -------
@@ -79,9 +84,9 @@ def read_surface(
     if unit is not None and unit not in METRES_PER_UNIT:
         raise SurfaceError(f"unit must be one of {', '.join(METRES_PER_UNIT)}, got {unit!r}")
     size = None if pixel_size is None else pixel_sizes(pixel_size)
-    # Whatever a hostile file makes a parser raise (there is no complete list) is one sentence to the caller.
-    try:
-        _check_file(file)
+    if height_scale is not None and (unit is not None or file.suffix.lower() not in images.SUFFIXES):
+        raise SurfaceError("height_scale is for images, in metres per grey level and without a unit")
+    with checked_file(file):
         if file.suffix.lower() == ".npz":
             surface = _from_npz(file, channel, size, unit)
         elif file.suffix.lower() == ".npy" or numpy_files.is_npy(file):
@@ -89,29 +94,14 @@ def read_surface(
         elif file.suffix.lower() == ".x3p":
             surface = _from_x3p(file, channel, size, unit)
         else:
-            surface = _from_library(file, channel, size, unit)
+            surface = (
+                _from_image(file, channel, size, unit, height_scale)
+                or _from_text(file, channel, size, unit)
+                or _from_library(file, channel, size, unit)
+            )
         if np.ptp(surface.heights[surface.mask]) == 0:
             raise SurfaceError("all heights are equal, which leaves no slopes to look at")
-    except SurfaceError as error:
-        raise SurfaceError(f"{file}: {error}") from None
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200]
-        raise SurfaceError(f"{file}: cannot be read ({type(error).__name__}: {reason})") from error
-    return surface
-
-
-def _check_file(file: Path) -> None:
-    """A regular file of sensible size; opening a pipe or a device would block or never end."""
-    try:
-        status = file.stat()
-    except FileNotFoundError:
-        raise SurfaceError("there is no such file") from None
-    if not stat.S_ISREG(status.st_mode):
-        raise SurfaceError("this is not a file" if not stat.S_ISDIR(status.st_mode) else "this is a folder")
-    if status.st_size == 0:
-        raise SurfaceError("the file is empty")
-    if status.st_size > MAX_FILE_BYTES:
-        raise SurfaceError(f"the file has {status.st_size} bytes, the limit is {MAX_FILE_BYTES}")
+        return surface
 
 
 def _from_npy(
@@ -168,6 +158,55 @@ def _from_x3p(
     heights, stated = x3p.read_x3p(file)
     steps = () if size is None else ("pixel size given by the caller",)
     return _surface(file, heights, size or stated, _agreed_unit("m", unit) or "m", steps)
+
+
+def _from_image(
+    file: Path,
+    channel: int | str | None,
+    size: tuple[float, float] | None,
+    unit: str | None,
+    height_scale: float | None,
+) -> Surface | None:
+    if file.suffix.lower() not in images.SUFFIXES:
+        return None
+    image = images.read(file, channel, height_scale, stated_unit=unit is not None, sized=size is not None)
+    if image is None:
+        try:
+            return _from_library(file, channel, size, unit)
+        except SurfaceError as error:
+            raise SurfaceError(f"{error}; a plain image needs height_scale (--scale) in metres") from None
+    steps = image.steps if size is None else (*image.steps, "pixel size given by the caller")
+    if size is None and image.pixel_size is None:
+        raise SurfaceError(
+            "the image does not state its pixel size, give pixel_size (--pixel-size) in metres"
+        )
+    size = size or pixel_sizes(image.pixel_size)  # GeoTIFF: metres
+    return _surface(file, image.heights, size, "m" if image.in_metres else unit or "m", steps)
+
+
+def _from_text(
+    file: Path, channel: int | str | None, size: tuple[float, float] | None, unit: str | None
+) -> Surface | None:
+    if file.suffix.lower() not in text_files.SUFFIXES:
+        return None
+    esri = text_files.is_esri(file)
+    if not esri and size is None:  # SurfaceTopography knows headers that state it
+        if process.installed("SurfaceTopography"):
+            with contextlib.suppress(SurfaceError):
+                return _from_library(file, channel, size, unit)
+        raise SurfaceError("the text does not state the pixel size, give pixel_size (--pixel-size) in metres")
+    if channel not in (None, 0):
+        raise SurfaceError(f"a grid of numbers is one map, so there is no channel {channel!r}")
+    grid = text_files.read_esri(file) if esri else text_files.read_plain(file)
+    if grid.in_degrees and size is None:
+        raise SurfaceError(
+            "the cells are in degrees by their size and place, give pixel_size (--pixel-size) in metres"
+        )
+    unit = unit or "m"
+    steps: tuple[str, ...] = ("rows turned so that y runs north",) if esri else ()
+    if size is not None:
+        steps += ("pixel size given by the caller",)
+    return _surface(file, grid.heights, size or _in_metres(pixel_sizes(grid.pixel_size), unit), unit, steps)
 
 
 def _from_library(

@@ -1,34 +1,23 @@
-"""The height map, and the preparation that a slope density needs: levelling and finite differences."""
+"""The height map with the preparation that a slope density needs: levelling, form, outliers, filters."""
 
 from __future__ import annotations
 
 import math
-import operator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-__all__ = ["MAX_PIXELS", "METRES_PER_UNIT", "Surface", "SurfaceError", "pixel_sizes"]
+from microfacet._surface import filters, form
+from microfacet._surface.checks import SurfaceError, positive, short
+from microfacet._surface.height_map import HeightMap
 
-#: Largest map that is accepted (8192 x 8192 pixels, 512 MiB as float64): bounds the memory of everything
-#: here.
-MAX_PIXELS = 2**26
-
-#: Length units that a file may state, in metres. Both micro signs (U+00B5, U+03BC) are in use.
-METRES_PER_UNIT = {
-    "km": 1e3, "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "\u00b5m": 1e-6, "\u03bcm": 1e-6,
-    "nm": 1e-9, "A": 1e-10, "\u00c5": 1e-10, "pm": 1e-12, "fm": 1e-15,
-}  # fmt: skip
-
-
-class SurfaceError(ValueError):
-    """A height map that cannot be used; the message is one sentence that says why."""
+__all__ = ["Surface"]
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(HeightMap):
     """Heights on a rectangular grid of pixels, in metres.
 
     Column ``j`` lies at ``x = j dx`` and row ``i`` at ``y = i dy``: +x runs along the columns, +y up the rows
@@ -69,146 +58,168 @@ class Surface:
     True
     """
 
-    heights: NDArray[np.float64]
-    pixel_size: tuple[float, float]
-    mask: NDArray[np.bool_] = None  # type: ignore[assignment]  # __post_init__ fills it in
-    unit: str = "m"
-    source: str = "array"
-    steps: tuple[str, ...] = ()
-    lag: int = 1
+    def level(
+        self,
+        kind: str = "plane",
+        *,
+        degree: int | None = None,
+        points: Sequence[tuple[int, int]] | None = None,
+    ) -> Surface:
+        """Subtract a plane or a polynomial.
 
-    def __post_init__(self) -> None:
-        heights = _height_array(self.heights)
-        valid = np.isfinite(heights)
-        if np.abs(heights, where=valid, out=np.zeros_like(heights)).max() > 1e30:  # squares must stay finite
-            raise SurfaceError("heights must lie in [-1e30, 1e30] metres")
-        if isinstance(self.heights, np.ma.MaskedArray):
-            valid &= ~np.ma.getmaskarray(self.heights)
-        if self.mask is not None:
-            mask = np.asarray(self.mask)
-            if mask.shape != heights.shape or mask.dtype != np.bool_:
-                raise SurfaceError(
-                    f"mask must be a bool array of the shape of the heights, {heights.shape}, "
-                    f"got {mask.dtype} of shape {mask.shape}"
-                )
-            valid &= mask
-        if np.count_nonzero(valid) < 9:
-            raise SurfaceError(
-                f"the map has {np.count_nonzero(valid)} valid pixels of {valid.size}, at least 9 are needed"
-            )
-        heights[~valid] = math.nan
-        heights.flags.writeable = valid.flags.writeable = False
-        object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "mask", valid)
-        object.__setattr__(self, "pixel_size", pixel_sizes(self.pixel_size))
-        object.__setattr__(self, "steps", tuple(self.steps))
-        object.__setattr__(self, "lag", _checked_lag(self.lag))
-
-    def level(self) -> Surface:
-        """Subtract the least-squares plane through the valid pixels.
+        Parameters
+        ----------
+        kind : {"plane", "polynomial", "three-point"}
+            The least-squares plane through the valid pixels, the least-squares polynomial of total degree
+            `degree`, or the plane through three points.
+        degree : int, optional
+            Total degree of the polynomial, in [1, 12]; giving it means ``kind="polynomial"``.
+        points : sequence of 3 (int, int), optional
+            ``(column, row)`` of the three points; the height of each is the mean of the valid pixels up to
+            two pixels away.
 
         Returns
         -------
         Surface
             The levelled map; its `steps` name the step.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> terrain = mf.sample_terrain().level("three-point", points=[(10, 10), (390, 10), (10, 330)])
+        >>> terrain.steps[-1]
+        'levelled: plane through the pixels (10, 10), (390, 10), (10, 330) subtracted'
         """
-        # Centred, scaled coordinates keep the 3 x 3 normal equations well-conditioned; sums over rows and
-        # columns avoid an (N, 3) design matrix.
-        ny, nx = self.heights.shape
-        x = np.linspace(-1.0, 1.0, nx)[np.newaxis, :]
-        y = np.linspace(-1.0, 1.0, ny)[:, np.newaxis]
-        basis = (np.ones((1, 1)), x, y)
-        weight = self.mask.astype(np.float64)
-        middle = float(np.mean(self.heights[self.mask]))
-        heights = np.where(self.mask, self.heights - middle, 0.0)
-        normal = np.array([[np.sum(weight * a * b) for b in basis] for a in basis])
-        right = np.array([np.sum(heights * a) for a in basis])
-        offset, tilt_x, tilt_y = np.linalg.lstsq(normal, right, rcond=None)[0]
-        levelled = self.heights - (middle + offset + tilt_x * x + tilt_y * y)
-        return replace(
-            self, heights=levelled, steps=(*self.steps, "levelled: least-squares plane subtracted")
-        )
+        if kind not in ("plane", "polynomial", "three-point"):
+            raise SurfaceError(f"kind must be plane, polynomial or three-point, got {short(kind)}")
+        if (degree is not None and kind == "three-point") or (degree is None and kind == "polynomial"):
+            raise SurfaceError("a degree belongs to polynomial levelling, and to nothing else")
+        if points is not None and kind != "three-point":
+            raise SurfaceError("points belong to three-point levelling")
+        if kind == "three-point":
+            shape, places = form.plane_through(self.heights, self.mask, points)
+            what = "plane through the pixels " + ", ".join(map(str, places))
+        else:
+            number = 1 if degree is None else form.checked_degree(degree)
+            shape = form.polynomial(self.heights, self.mask, number)
+            what = "least-squares plane" if number == 1 else f"least-squares polynomial of degree {number}"
+        return self._step(f"levelled: {what} subtracted", self.heights - shape)
 
-    def slopes(self, lag: int | None = None) -> NDArray[np.float64]:
-        """Slopes by central differences over `lag` pixels on each side.
-
-        .. math:: p = \\frac{h(x + l\\,dx, y) - h(x - l\\,dx, y)}{2 l\\,dx},\\quad
-                  q = \\frac{h(x, y + l\\,dy) - h(x, y - l\\,dy)}{2 l\\,dy}
-
-        The baseline is 2 `lag` pixels. Both slopes belong to the same pixel; a pixel for which one of the
-        four neighbours is missing or outside the map is left out.
+    def remove_form(self, shape: int | str = 2) -> Surface:
+        """Subtract the form of the part on which the roughness lies.
 
         Parameters
         ----------
-        lag : int, optional
-            Pixels on each side, at least 1; the `lag` of the surface by default.
+        shape : int or "sphere"
+            Total degree of a least-squares polynomial, in [2, 12], or the least-squares sphere.
 
         Returns
         -------
-        ndarray, shape (N, 2)
-            Slopes ``(p, q)`` along +x and +y (dimensionless), row by row.
+        Surface
+            What remains; its `steps` name the form, with the radius of a sphere (negative for a hollow).
 
-        Raises
-        ------
-        SurfaceError
-            If `lag` is not a positive integer or no pixel has its four neighbours.
+        Examples
+        --------
+        >>> import numpy as np
+        >>> y, x = np.mgrid[-20:21, -20:21] * 1e-6
+        >>> ball = Surface(np.sqrt(1e-8 - x**2 - y**2), pixel_size=1e-6)
+        >>> ball.remove_form("sphere").steps
+        ('form removed: least-squares sphere of radius 0.0001 m',)
         """
-        lag = self.lag if lag is None else _checked_lag(lag)
-        h, (dx, dy) = self.heights, self.pixel_size
-        if min(h.shape) <= 2 * lag:
-            ny, nx = h.shape
-            raise SurfaceError(f"a map of {nx} x {ny} pixels is too small for slopes at lag {lag}")
-        inner = slice(lag, -lag)
-        with np.errstate(over="ignore"):
-            p = (h[inner, 2 * lag :] - h[inner, : -2 * lag]) / (2 * lag * dx)
-            q = (h[2 * lag :, inner] - h[: -2 * lag, inner]) / (2 * lag * dy)
-        known = np.isfinite(p) & np.isfinite(q)
-        if not known.any():
-            raise SurfaceError(f"no pixel has its four neighbours at lag {lag}")
-        return np.column_stack((p[known], q[known]))
+        if shape == "sphere":
+            fitted, radius = form.sphere(self.heights, self.mask, self.pixel_size)
+            return self._step(
+                f"form removed: least-squares sphere of radius {radius:.4g} m", self.heights - fitted
+            )
+        if isinstance(shape, str):
+            raise SurfaceError(f"form must be sphere or the degree of a polynomial, got {short(shape)}")
+        degree = form.checked_degree(shape, least=2)
+        fitted = form.polynomial(self.heights, self.mask, degree)
+        return self._step(f"form removed: least-squares polynomial of degree {degree}", self.heights - fitted)
 
+    def mask_outliers(self, threshold: float = 8.0) -> Surface:
+        """Mask the pixels that stick out of their neighbourhood: spikes, pits, dust.
 
-def pixel_sizes(value: Any) -> tuple[float, float]:
-    """``(dx, dy)`` from one number or two; `SurfaceError` unless both are positive and finite."""
-    try:
-        sizes = np.asarray(value)
-    except (TypeError, ValueError):
-        sizes = np.empty(0)
-    if sizes.shape not in ((), (1,), (2,)) or sizes.dtype.kind not in "iuf":
-        raise SurfaceError(f"pixel_size must be one number or (dx, dy), in metres, got {_short(value)}")
-    dx, dy = (float(size) for size in np.broadcast_to(sizes, (2,)))
-    # The limits keep dx, dy and every quotient by them far from overflow; no map comes near them.
-    if not (1e-30 < dx < 1e30 and 1e-30 < dy < 1e30):
-        raise SurfaceError(f"pixel_size must lie in (1e-30, 1e30) metres, got ({dx:g}, {dy:g})")
-    return dx, dy
+        A pixel is masked where its distance from the median of the 5 x 5 pixels around it exceeds `threshold`
+        robust standard deviations, that is 1.4826 times the median of all these distances. A polynomial of
+        degree 2 is taken off for the comparison, so the map need not be level. Steep slopes of a heavy-tailed
+        surface stick out as well: a threshold below about 6 cuts into what is to be measured, so compare the
+        fit with and without it.
 
+        Parameters
+        ----------
+        threshold : float
+            Positive, in robust standard deviations.
 
-def _height_array(heights: ArrayLike) -> NDArray[np.float64]:
-    """A float64 copy; ints become floats, everything that is not a real 2-D map is refused."""
-    try:
-        array = np.asarray(heights)
-    except (TypeError, ValueError):  # rows of different lengths
-        array = np.empty(0, dtype=object)
-    if array.dtype.kind not in "iuf":
-        raise SurfaceError(f"heights must be a 2-D map of real numbers, got an array of {array.dtype}")
-    if array.ndim != 2 or min(array.shape) < 3:
-        raise SurfaceError(f"heights must be a 2-D map of at least 3 x 3 pixels, got shape {array.shape}")
-    if array.size > MAX_PIXELS:
-        raise SurfaceError(f"a map of {array.shape} exceeds the limit of {MAX_PIXELS} pixels")
-    with np.errstate(over="ignore"):  # a longdouble beyond float64 becomes inf, that is, invalid
-        return np.array(array, dtype=np.float64, order="C")
+        Returns
+        -------
+        Surface
+            The map with fewer valid pixels; its `steps` say how many went.
 
+        Examples
+        --------
+        >>> import numpy as np
+        >>> heights = np.random.default_rng(0).normal(size=(40, 50))
+        >>> heights[7, 9] = 500.0
+        >>> Surface(heights, pixel_size=1.0).mask_outliers().steps
+        ('1 outlier of 2000 pixels masked: beyond 8 robust standard deviations of the local median',)
+        """
+        threshold = positive(threshold, "the outlier threshold")
+        out = filters.outliers(self.heights, self.mask, threshold)
+        count, total = int(np.count_nonzero(out)), int(np.count_nonzero(self.mask))
+        step = (
+            f"{count} outlier{'s' * (count != 1)} of {total} pixels masked: beyond {threshold:g} robust "
+            "standard deviations of the local median"
+        )
+        return self._step(step, np.where(out, math.nan, self.heights))
 
-def _checked_lag(lag: Any) -> int:
-    try:
-        number = 0 if isinstance(lag, bool | np.bool_) else operator.index(lag)
-    except TypeError:
-        number = 0
-    if number < 1:
-        raise SurfaceError(f"lag must be a whole number of pixels in [1, inf), got {_short(lag)}")
-    return number
+    def filtered(self, short: float | None = None, long: float | None = None) -> Surface:
+        """Gaussian S-filter and L-filter (ISO 16610-61), which transmit half of a wave at their cut-off.
 
+        A wave of length w passes the S-filter, which removes what is small, with the amplitude
+        ``2^-(short/w)^2``; what passes an S-filter of cut-off `long` is what the L-filter removes. Weights
+        are normalised over the valid pixels: nothing leaks in from missing pixels or from beyond the edge.
 
-def _short(value: object) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."
+        Parameters
+        ----------
+        short, long : float, optional
+            Cut-off wavelengths in metres of the S-filter (at least two pixels) and of the L-filter, which is
+            the longer one.
+
+        Returns
+        -------
+        Surface
+            The filtered map; its `steps` name each filter.
+
+        Notes
+        -----
+        ISO 16610-61:2015, Geometrical product specification: Filtration, Linear areal filters, Gaussian.
+        An S-filter changes the slopes that this library fits; state its cut-off with every result.
+
+        Examples
+        --------
+        >>> import microfacet as mf
+        >>> terrain = mf.sample_terrain().level().filtered(short=400.0, long=5000.0)
+        >>> terrain.steps[-2:]
+        ('S-filter: Gaussian, cut-off 400 m (ISO 16610-61)',
+         'L-filter: Gaussian, cut-off 5000 m (ISO 16610-61)')
+        """
+        for value, what in ((short, "S-filter"), (long, "L-filter")):
+            if value is not None and positive(value, f"the cut-off of the {what}") < 2 * max(self.pixel_size):
+                raise SurfaceError(
+                    f"the cut-off of the {what} is {value:g} m, less than two pixels of "
+                    f"{max(self.pixel_size):g} m"
+                )
+        if short is not None and long is not None and short >= long:
+            raise SurfaceError(f"the S-filter ({short:g} m) must be shorter than the L-filter ({long:g} m)")
+        result = self
+        if short is not None:
+            low = filters.gaussian(self.heights, self.mask, self.pixel_size, short)
+            result = self._step(f"S-filter: Gaussian, cut-off {short:g} m (ISO 16610-61)", low)
+        if long is not None:
+            rest = result.heights - filters.gaussian(result.heights, self.mask, self.pixel_size, long)
+            result = result._step(f"L-filter: Gaussian, cut-off {long:g} m (ISO 16610-61)", rest)
+        return result
+
+    def _step(self, step: str, heights: NDArray[np.float64]) -> Surface:
+        return replace(self, heights=heights, steps=(*self.steps, step))

@@ -14,8 +14,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet._surface.checks import MAX_PIXELS, SurfaceError
 from microfacet._surface.numpy_files import check_archive
-from microfacet._surface.surface import MAX_PIXELS, SurfaceError
 
 __all__ = ["read_x3p"]
 

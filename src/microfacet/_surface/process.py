@@ -1,0 +1,81 @@
+"""Readers that are not ours run in a process of their own.
+
+Binary formats, some of them parsed by C libraries, cannot be promised to survive a hostile file. A child
+process can: its memory and time are limited, and a crash, a hang or a chatty library ends there.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microfacet._surface.checks import MAX_PIXELS, SurfaceError
+
+__all__ = ["installed", "run"]
+
+#: Seconds for the whole child; importing a library alone may take ten on a cold disk.
+TIMEOUT = 120.0
+# Address space for the child: the interpreter and the library, then what a file of this size can need (an
+# int16 map becomes float64, in several copies), within a limit that holds for any file.
+_BASE_BYTES, _BYTES_PER_BYTE, _MOST_BYTES = 3 * 2**29, 32, 2**32
+
+
+def run(
+    reader: str, file: Path, bytes_to_read: int, **request: Any
+) -> tuple[dict[str, Any], NDArray[np.float64]]:
+    """What the reader in the child answers, and its array; `SurfaceError` when there is none, whatever the
+    reason."""
+    request |= {
+        "reader": reader,
+        "path": str(file.resolve()),
+        "max_pixels": MAX_PIXELS,
+        "max_bytes": min(_BASE_BYTES + _BYTES_PER_BYTE * bytes_to_read, _MOST_BYTES),
+    }
+    # The child sees the packages that we see; one BLAS thread, because each reserves address space.
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(entry for entry in sys.path if entry),
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+        "OPENIMAGEIO_THREADS": "1",
+    }
+    command = [sys.executable, "-P", "-W", "ignore", str(Path(__file__).with_name("child.py"))]
+    try:
+        done = subprocess.run(
+            command,
+            input=json.dumps(request).encode(),
+            env=environment,
+            capture_output=True,
+            timeout=TIMEOUT,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise SurfaceError(f"reading took longer than {TIMEOUT:g} seconds") from None
+    return _answer(done.stdout)
+
+
+def _answer(output: bytes) -> tuple[dict[str, Any], NDArray[np.float64]]:
+    """One line of JSON, then the array as float64; anything else means that the child died."""
+    line, _, data = output.partition(b"\n")
+    try:
+        answer = json.loads(line)
+    except ValueError:
+        raise SurfaceError("the reader of this format crashed or ran out of memory on the file") from None
+    if "error" in answer:
+        raise SurfaceError(answer["error"])
+    return answer, np.frombuffer(data, dtype=np.float64).reshape(answer["shape"])
+
+
+def installed(library: str) -> bool:
+    """Whether the library is there, without loading it."""
+    try:
+        return importlib.util.find_spec(library) is not None
+    except ValueError:  # sys.modules holds None for it: switched off
+        return False
