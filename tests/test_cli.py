@@ -279,6 +279,46 @@ def test_fit_takes_a_pixel_size_where_the_file_has_none(run: Run, tmp_path: Path
     assert run("fit", str(path), "--family", "ggx", "--pixel-size", "2").exit_code == 0
 
 
+def test_a_surface_is_prepared_in_the_order_of_the_options(run: Run, tmp_path: Path) -> None:
+    rng = np.random.default_rng(8)
+    path = tmp_path / "map.npz"
+    np.savez(path, heights=rng.normal(size=(60, 70)), pixel_size=2e-6)
+    options = "--outliers 9 --level plane --form 3 --s-filter 1e-5 --l-filter 5e-5 --lag-length 6e-6"
+    result = run("fit", str(path), "--family", "ggx", "--json", *options.split())
+    assert result.exit_code == 0, result.stderr
+    surface = mf.read_surface(path).mask_outliers(9).level().remove_form(3)
+    surface = surface.filtered(short=1e-5, long=5e-5).at_lag(length=6e-6)
+    assert json.loads(result.stdout)["steps"] == list(surface.steps)
+    assert len(surface.steps) == 6
+    points = [f"--level-point={point}" for point in ("3,3", "60,5", "30,50")]
+    result = run("fit", str(path), "--family", "ggx", "--json", "--level", "three-point", *points)
+    assert "plane through the pixels (3, 3), (60, 5), (30, 50)" in json.loads(result.stdout)["steps"][0]
+    assert (
+        json.loads(run("fit", str(path), "--family", "ggx", "--json", "--level", "none").stdout)["steps"]
+        == []
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        ("--level curved", "--level must be plane"),
+        ("--level three-point", "needs points"),
+        ("--level three-point --level-point 1;2", "COLUMN,ROW"),
+        ("--level-point 1,2", "goes with"),
+        ("--level 99", "degree"),
+        ("--form cube", "sphere"),
+        ("--outliers -1", "threshold"),
+        ("--s-filter 1e-6", "two pixels"),
+        ("--lag 1 --lag-length 4e-6", "either"),
+        ("--scale 1e-9", "for images"),
+    ],
+)
+def test_bad_preparation_is_one_sentence(run: Run, tmp_path: Path, options: str, word: str) -> None:
+    np.savez(tmp_path / "map.npz", heights=np.random.default_rng(8).normal(size=(20, 30)), pixel_size=2e-6)
+    assert_one_sentence(run("fit", str(tmp_path / "map.npz"), *options.split()), word)
+
+
 def test_families_lists_all(run: Run) -> None:
     entries = json.loads(run("families", "--json").stdout)
     assert [entry["name"] for entry in entries] == [family.name for family in mf.families()]

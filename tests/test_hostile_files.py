@@ -230,6 +230,9 @@ def test_the_worst_ones_take_little_memory(tmp_path):
         "bomb_below_the_limit.npz": bomb("heights.npy", 1000),
         "member.npz": NPZ["member claims 512 MB"][0],
         "bomb.x3p": bomb("main.xml", 2000),
+        "claim.asc": b"ncols 8192\nnrows 8192\ncellsize 1\n" + b"1 " * 2000,
+        "word.asc": b"ncols 5000\nnrows 5000\ncellsize 1\n" + b"1" * 2**26,
+        "line.csv": b"1," * 2**25,
     }
     for name, content in worst.items():
         (tmp_path / name).write_bytes(content)

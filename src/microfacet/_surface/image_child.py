@@ -15,7 +15,8 @@ Image = NDArray[np.float64]
 FORMATS = ("png", "tiff", "openexr")
 _MODEL_GEOGRAPHIC = 2  # GeoTIFF key GTModelTypeGeoKey
 _METRE = 9001  # EPSG code of ProjLinearUnitsGeoKey
-_PARK_TAG = 50432  # the private tags of Park Systems' AFM files start here
+# Private tags of microscopes whose TIFF files hold a picture for looks and the heights elsewhere: Park, JPK.
+_MICROSCOPE_TAGS = (50434, 0x8000)
 
 
 class Unusable(Exception):
@@ -48,9 +49,11 @@ def read(request: dict[str, Any]) -> tuple[dict[str, Any], Image]:
     if request["normals"]:
         wanted = triple(names)
     else:
-        wanted = [one(names, request["channel"])]
         if source.format_name() == "tiff":
-            answer |= geography(request["path"], names)
+            answer |= geography(request["path"])
+            if answer["microscope"]:
+                return answer | {"shape": [0, 0]}, np.empty((0, 0))
+        wanted = [one(names, request["channel"])]
     pixels = source.read_image(0, 0, 0, spec.nchannels, OpenImageIO.UNKNOWN)
     if pixels is None:
         raise Unusable(f"the image is damaged ({' '.join(source.geterror().split())[:150]})")
@@ -68,7 +71,7 @@ def bits(spec: Any) -> int:
     name = str(spec.format)
     if name in ("float", "half", "double"):
         return 0
-    size = {"uint8": 8, "int8": 8, "uint16": 16, "int16": 16, "uint32": 32, "int32": 32}.get(name)
+    size = {"uint8": 8, "int8": 8, "uint16": 16, "int16": 16, "uint": 32, "int": 32}.get(name)
     stated = spec.getattribute("oiio:BitsPerSample")
     if size is None or stated not in (None, size):  # the library would rescale odd depths
         raise Unusable(f"pixels of {stated or name} bits are not supported, but 16 or 32 bits are")
@@ -96,15 +99,15 @@ def triple(names: list[str]) -> list[int]:
     raise Unusable(f"a normal map has three channels R, G, B, and this image has {', '.join(names)}")
 
 
-def geography(path: str, names: list[str]) -> dict[str, Any]:
-    """What GeoTIFF and GDAL say about the pixels, and whether the file is an AFM map of Park Systems."""
+def geography(path: str) -> dict[str, Any]:
+    """What GeoTIFF and GDAL say about the pixels, and whether the file is a microscope's."""
     import tifffile
 
     with tifffile.TiffFile(path) as file:
         page = file.pages.first
         tags = page.geotiff_tags
         nodata = page.tags.get("GDAL_NODATA") or page.tags.get(42113)
-        answer: dict[str, Any] = {"park": _PARK_TAG in page.tags}
+        answer: dict[str, Any] = {"microscope": any(tag in page.tags for tag in _MICROSCOPE_TAGS)}
         answer["nodata"] = None if nodata is None else float(str(nodata.value).strip("\0 ") or "nan")
     if not tags:
         return answer

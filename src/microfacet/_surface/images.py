@@ -43,12 +43,7 @@ def read(
     """The heights of an image; None for a microscope's file, which is an image by its suffix alone."""
     facts, pixels = decode(file, normals=False, channel=channel)
     geographic = "pixel_size" in facts
-    if facts.get("park") or (
-        file.suffix.lower() in (".tif", ".tiff")
-        and not geographic
-        and height_scale is None
-        and not stated_unit
-    ):
+    if facts.get("microscope"):
         return None
     if facts["bits"] == 8:
         raise SurfaceError("8 bits hold 256 heights, too few for slopes: export 16 bits or floating point")

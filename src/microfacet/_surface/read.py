@@ -171,10 +171,7 @@ def _from_image(
         return None
     image = images.read(file, channel, height_scale, stated_unit=unit is not None, sized=size is not None)
     if image is None:
-        try:
-            return _from_library(file, channel, size, unit)
-        except SurfaceError as error:
-            raise SurfaceError(f"{error}; a plain image needs height_scale (--scale) in metres") from None
+        return None
     steps = image.steps if size is None else (*image.steps, "pixel size given by the caller")
     if size is None and image.pixel_size is None:
         raise SurfaceError(
@@ -190,8 +187,8 @@ def _from_text(
     if file.suffix.lower() not in text_files.SUFFIXES:
         return None
     esri = text_files.is_esri(file)
-    if not esri and size is None:  # SurfaceTopography knows headers that state it
-        if process.installed("SurfaceTopography"):
+    if not esri and size is None:
+        if text_files.has_heading(file) and process.installed("SurfaceTopography"):  # it may state the size
             with contextlib.suppress(SurfaceError):
                 return _from_library(file, channel, size, unit)
         raise SurfaceError("the text does not state the pixel size, give pixel_size (--pixel-size) in metres")

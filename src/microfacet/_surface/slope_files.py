@@ -177,18 +177,9 @@ def _text(file: Path) -> NDArray[Any]:
         if first is None:
             raise SurfaceError("the file holds no numbers")
         delimiter = text_files.separator(first)
-
-        table = itertools.chain(() if _is_heading(first, delimiter) else (first,), rows)
+        heading = text_files.is_heading(first.partition("#")[0], delimiter)
+        table = itertools.chain(() if heading else (first,), rows)
         return text_files.table(table, delimiter, MAX_PIXELS + 1)
-
-
-def _is_heading(line: str, delimiter: str | None) -> bool:
-    try:
-        for word in line.partition("#")[0].split(delimiter):
-            float(word)
-    except ValueError:
-        return True
-    return False
 
 
 def _parquet(file: Path) -> NDArray[Any]:

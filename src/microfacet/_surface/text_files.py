@@ -18,7 +18,18 @@ from numpy.typing import NDArray
 
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError
 
-__all__ = ["SUFFIXES", "TextGrid", "is_esri", "lines", "read_esri", "read_plain", "separator", "table"]
+__all__ = [
+    "SUFFIXES",
+    "TextGrid",
+    "has_heading",
+    "is_esri",
+    "is_heading",
+    "lines",
+    "read_esri",
+    "read_plain",
+    "separator",
+    "table",
+]
 
 SUFFIXES = (".asc", ".txt", ".csv", ".tsv", ".dat")
 #: Longest line: 65536 numbers with every digit.
@@ -102,6 +113,23 @@ def lines(stream: IO[bytes]) -> Iterator[str]:
         if "\0" in text:
             raise SurfaceError("this is not a text file")
         yield text
+
+
+def has_heading(file: Path) -> bool:
+    """Whether the file starts with words, or a comment, rather than with numbers."""
+    with file.open("rb") as stream:
+        first = next((line for line in lines(stream) if line.strip()), "")
+    return is_heading(first, separator(first))
+
+
+def is_heading(line: str, delimiter: str | None) -> bool:
+    """Whether the line holds anything but numbers."""
+    try:
+        for word in line.split(delimiter):
+            float(word)
+    except ValueError:
+        return True
+    return False
 
 
 def separator(line: str) -> str | None:
