@@ -141,6 +141,7 @@ def public_functions() -> dict[str, Callable[[], Any]]:
         "sample_terrain": mf.sample_terrain,
         "testing": lambda: mf.testing.sidak(0.01, 2),
         "roughness": lambda: mf.roughness(mf.sample_terrain()),
+        "synthesize": lambda: mf.synthesize(mf.Beckmann(alpha=0.3), (32, 32)),
         "fit": lambda: mf.fit(slopes, families=["beckmann"]),
     }
     for family in mf.families():

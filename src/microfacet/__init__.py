@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         read_surface,
         roughness,
         sample_terrain,
+        synthesize,
     )
 
 __all__ = [
@@ -86,6 +87,7 @@ __all__ = [
     "roughness",
     "sample_terrain",
     "student_t",
+    "synthesize",
     "testing",
 ]
 
@@ -110,6 +112,7 @@ _LAZY = {
     "read_surface": "microfacet._surface",
     "roughness": "microfacet._surface",
     "sample_terrain": "microfacet._surface",
+    "synthesize": "microfacet._surface",
 }
 
 

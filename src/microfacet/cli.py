@@ -23,6 +23,7 @@ from microfacet._console.program import (
     surface_options,
     view_options,
 )
+from microfacet._console.synthesize import synthesize
 
 __all__ = ["main"]
 
@@ -276,6 +277,9 @@ def families(as_json: bool) -> None:
         click.echo(json.dumps(records.families(entries), indent=1))
     else:
         tables.families(tables.console(), entries)
+
+
+main.add_command(synthesize)
 
 
 if __name__ == "__main__":

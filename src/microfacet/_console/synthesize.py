@@ -1,0 +1,97 @@
+"""The command `microfacet synthesize`: a height map of a family, as a file that every other command reads."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+import microfacet as mf
+from microfacet._console.parameters import family_named
+from microfacet._console.program import json_option, parameter_options
+from microfacet._files import replacing
+
+__all__ = ["synthesize"]
+
+
+@click.command()
+@click.argument("family")
+@parameter_options
+@click.option(
+    "--alpha-x", type=float, metavar="X", help="Roughness along x, with --alpha-y in place of --alpha."
+)
+@click.option("--alpha-y", type=float, metavar="X", help="Roughness along y.")
+@click.option("--rotation", type=float, metavar="DEGREES", help="Of these axes, counter-clockwise.")
+@click.option(
+    "--shape",
+    type=click.IntRange(min=16),
+    nargs=2,
+    default=(1024, 1024),
+    show_default=True,
+    metavar="NX NY",
+    help="Pixels along x and y.",
+)
+@click.option("--pixel-size", type=float, default=1e-6, show_default=True, metavar="X", help="In metres.")
+@click.option("--correlation-length", type=float, metavar="X", help="In metres; 4 pixels otherwise.")
+@click.option(
+    "--amplitude-length", type=float, metavar="X", help="Over which the roughness varies, in metres."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same map.")
+@click.option("-o", "--output", type=click.Path(dir_okay=False), required=True, help="The FILE.npz to write.")
+@json_option
+def synthesize(
+    family: str,
+    parameters: dict[str, float],
+    alpha_x: float | None,
+    alpha_y: float | None,
+    rotation: float | None,
+    shape: tuple[int, int],
+    output: str,
+    as_json: bool,
+    **how: Any,
+) -> None:
+    """Make a random height map whose slopes at lag 1 follow FAMILY.
+
+    The file holds heights and pixel_size in metres; `fit` and `report` read it. The map is periodic.
+
+    \b
+    Examples:
+      microfacet synthesize student_t --alpha 0.3 --gamma 2.5 -o map.npz
+      microfacet synthesize ggx --alpha-x 0.3 --alpha-y 0.1 --rotation 30 --shape 2048 512 -o map.npz
+    """
+    if Path(output).suffix != ".npz":
+        raise click.UsageError(f"output must end in .npz, got {output!r}")
+    entry = family_named(family)
+    axes = {
+        "alpha_x": alpha_x,
+        "alpha_y": alpha_y,
+        "rotation": None if rotation is None else math.radians(rotation),
+    }
+    given = parameters | {name: value for name, value in axes.items() if value is not None}
+    unknown = [name for name in given if name in axes and not entry.anisotropic]
+    if unknown:
+        raise click.UsageError(f"{family} has no {unknown[0]}: its alpha is no stretch")
+    try:
+        ndf = entry.cls(**given)
+    except TypeError:  # a parameter that the family does not have, or one that it lacks
+        names = " and ".join(parameter.name for parameter in entry.parameters)
+        raise click.UsageError(f"{family} takes {names}, got {' and '.join(given) or 'none'}") from None
+    surface = mf.synthesize(ndf, (shape[1], shape[0]), **how)
+    with replacing(output) as stream:
+        np.savez(
+            stream,
+            heights=surface.heights,
+            pixel_size=np.array(surface.pixel_size),
+            unit="m",
+            made=surface.steps[0],
+        )
+    if as_json:
+        record = {"family": family, "parameters": ndf.parameters, "seed": how["seed"], "steps": surface.steps}
+        roughness = mf.roughness(surface)._asdict()
+        click.echo(json.dumps({"path": str(Path(output).absolute()), **record, "roughness": roughness}))
+    else:
+        click.echo(output)
