@@ -317,6 +317,17 @@ def test_bad_preparation_is_one_sentence(run: Run, tmp_path: Path, options: str,
     assert_one_sentence(run("fit", str(tmp_path / "map.npz"), *options.split()), word)
 
 
+def test_slopes_are_fitted_as_they_are(run: Run, tmp_path: Path) -> None:
+    slopes = 0.2 * np.random.default_rng(3).normal(size=(300, 2))
+    np.save(tmp_path / "slopes.npy", slopes)
+    given = ["fit", str(tmp_path / "slopes.npy"), "--slopes", "table", "--family", "beckmann"]
+    answer = json.loads(run(*given, "--json").stdout)
+    assert answer["fits"][0]["params"] == mf.fit(slopes, "beckmann")[0].params
+    assert answer["source"] == "slopes.npy"
+    assert_one_sentence(run(*given, "--lag", "2"), "--lag is for height maps")
+    assert_one_sentence(run("report", "--surface", "a.npy", "--slopes", "opengl"), "height map")
+
+
 def test_families_lists_all(run: Run) -> None:
     entries = json.loads(run("families", "--json").stdout)
     assert [entry["name"] for entry in entries] == [family.name for family in mf.families()]

@@ -86,7 +86,9 @@ def report(
         raise click.UsageError("--surface and --terrain exclude each other")
     if reading and not surface:
         raise click.UsageError(f"--{next(iter(reading)).replace('_', '-')} goes with --surface")
-    prepared = surfaces.load(surface, **reading) if surface else None
+    if "slopes" in reading:
+        raise click.UsageError("the report shows a height map: fit takes slopes")
+    prepared = surfaces.load_map(surface, **reading) if surface else None
     measured = mf.sample_terrain().level() if terrain else prepared
     with progress() as tell:
         result = build(output, families or None, parameters, measured, tell, quick)

@@ -88,6 +88,10 @@ def parameter_options(command: Command) -> Command:
 
 # How to read and prepare a measured surface, in the order in which it is done.
 _SURFACE: dict[str, dict[str, Any]] = {
+    "slopes": {
+        "type": click.Choice(["table", "opengl", "directx"]),
+        "help": "The file holds slopes, in two columns, or as a normal map of this convention.",
+    },
     "channel": {"metavar": "NAME", "help": "Which map of a file that holds several: name or number."},
     "pixel_size": {"type": float, "metavar": "X", "help": "In metres, for a file that states none."},
     "unit": {"metavar": "NAME", "help": "Of the lengths in a file that states none."},

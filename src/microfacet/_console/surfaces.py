@@ -4,12 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from microfacet._surface import Surface, SurfaceError, read_surface
+from typing import Any
 
-__all__ = ["load"]
+from microfacet._surface import (
+    SlopeSample,
+    Surface,
+    SurfaceError,
+    read_normal_map,
+    read_slopes,
+    read_surface,
+)
+
+__all__ = ["load", "load_map"]
 
 
-def load(
+def load(file: str, *, slopes: str | None = None, **reading: Any) -> Surface | SlopeSample:
+    """What the file holds: a prepared surface, or slopes, which need no preparation."""
+    if slopes is None:
+        return load_map(file, **reading)
+    if reading:
+        raise SurfaceError(f"--{next(iter(reading)).replace('_', '-')} is for height maps, not for slopes")
+    return read_slopes(file) if slopes == "table" else read_normal_map(file, slopes)
+
+
+def load_map(
     file: str,
     *,
     channel: str | None = None,
