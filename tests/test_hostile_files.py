@@ -313,6 +313,40 @@ def test_x3p(tmp_path, case):
     check_refused(tmp_path / "map.x3p", message)
 
 
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_damaged_x3p_are_read_or_refused(tmp_path, data):
+    """Characters of the index changed, or bytes of the archive; checksums of the zip file catch most."""
+    index, archived = list(INDEX), data.draw(st.booleans())
+    for position, value in data.draw(
+        st.lists(st.tuples(st.integers(0, len(index) - 1), st.characters(codec="latin-1")), max_size=4)
+    ):
+        index[position] = value if not archived else index[position]
+    content = bytearray(x3p("".join(index).encode("latin-1"), DATA))
+    if archived:
+        place = st.integers(0, len(content) - 1)
+        for position, value in data.draw(st.lists(st.tuples(place, st.integers(0, 255)), max_size=6)):
+            content[position] = value
+        content = content[: data.draw(st.one_of(st.just(len(content)), place))]
+    (tmp_path / "map.x3p").write_bytes(bytes(content))
+    with contextlib.suppress(mf.SurfaceError):
+        surface = mf.read_surface(tmp_path / "map.x3p")
+        assert np.isfinite(surface.heights[surface.mask]).all()
+
+
+@pytest.mark.parametrize("suffix", ["csv", "asc", "x3p", "npz", "npy"])
+@pytest.mark.parametrize(
+    "content", [npz(heights=HEIGHTS, other=1.0), b"\xff\xd8\xff\xe0JFIF" * 9, b"1 2 3 4"]
+)
+def test_mislabelled_files(tmp_path, suffix, content):
+    (tmp_path / f"map.{suffix}").write_bytes(content)
+    is_itself = suffix == "npz" and content.startswith(b"PK")
+    if is_itself:
+        assert mf.read_surface(tmp_path / "map.npz", pixel_size=1.0).heights.shape == (6, 7)
+    else:
+        check_refused(tmp_path / f"map.{suffix}", rf"map\.{suffix}: ", pixel_size=1.0)
+
+
 @pytest.mark.parametrize(("code", "dtype"), [("I", "<i2"), ("L", "<i4"), ("F", "<f4"), ("D", "<f8")])
 def test_types_and_mask_of_x3p(tmp_path, code, dtype):
     heights = np.arange(42, dtype=dtype).reshape(6, 7)

@@ -114,15 +114,16 @@ def test_nothing_leaks_into_a_filter_from_missing_pixels_or_beyond_the_edge():
     assert np.array_equal(one.mask, valid)
 
 
-def test_the_filter_is_the_weighted_mean_of_the_standard():
+@pytest.mark.parametrize("cutoff", [8.0, 300.0])  # within the map, and far beyond it
+def test_the_filter_is_the_weighted_mean_of_the_standard(cutoff):
     rng = np.random.default_rng(5)
     heights, valid = rng.normal(size=(9, 11)), rng.random((9, 11)) < 0.7
     x, y = grid(9, 11, 2.0, 3.0)
     alpha2 = math.log(2) / math.pi
-    low = mf.Surface(heights, (2.0, 3.0), mask=valid).filtered(short=8.0).heights
+    low = mf.Surface(heights, (2.0, 3.0), mask=valid).filtered(short=cutoff).heights
     for row, column in np.argwhere(valid):
         r2 = (x - x[row, column]) ** 2 + (y - y[row, column]) ** 2
-        weight = valid * np.exp(-math.pi * r2 / (alpha2 * 8.0**2))
+        weight = valid * np.exp(-math.pi * r2 / (alpha2 * cutoff**2))
         # both truncate, at least 6 standard deviations out
         assert low[row, column] == pytest.approx(np.sum(weight * heights) / np.sum(weight), abs=1e-7)
 

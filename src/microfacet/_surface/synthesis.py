@@ -78,8 +78,13 @@ def synthesize(
     normality of slopes. What is not: where m varies, the slope has the second part ``g grad sqrt(m)``, which
     adds about ``Var(ln sqrt m) (correlation_length/amplitude_length)^2`` to the mean square of the first; it
     blunts the infinite density at slope 0 of k0 and bessel_k. And a map holds few independent values of m,
-    about one for each square of the amplitude length. On maps of 1024 x 1024 pixels with the default lengths,
-    a maximum-likelihood fit of the same family comes back within TOLERANCES.
+    about one for each square of the amplitude length, so the most extreme slopes of one map, a hundred in a
+    million, come from its highest summit of m alone.
+
+    Measured on maps of 1024 x 1024 pixels with the default lengths (ten distributions of all families, twelve
+    seeds each): a maximum-likelihood fit of the same family returns alpha within 1.5 % (3.5 % for gtr and for
+    bessel_k of a = 2.5, whose parameters trade off), gamma within 3.5 %, a within 5 %, all of them without
+    bias beyond 0.5 %; slopes an amplitude length apart pass a Kolmogorov-Smirnov test on the radial survival.
 
     Examples
     --------
