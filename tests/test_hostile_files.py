@@ -313,7 +313,7 @@ def test_x3p(tmp_path, case):
     check_refused(tmp_path / "map.x3p", message)
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_damaged_x3p_are_read_or_refused(tmp_path, data):
     """Characters of the index changed, or bytes of the archive; checksums of the zip file catch most."""

@@ -158,11 +158,8 @@ def png(width, height, bits=16, colour=0, data=b""):
 
 IMAGES = {
     "no image": (b"hello, world\n" * 9, "no image that can be read"),
-    "header alone": (png(8, 8)[:40], "no image|damaged|cannot be read"),
     "no pixels": (png(8, 8), "damaged|cannot be read|no image"),
     "bomb": (png(60000, 60000, data=zlib.compress(bytes(10**6))), "exceeds the limit|no image"),
-    "gif": (b"GIF89a" + bytes(50), "no image|gif"),
-    "cut": (png(8, 8, data=zlib.compress(bytes(136))[:10]), "damaged|cannot be read"),
     "constant": (png(8, 8, data=zlib.compress(bytes(136))), "all heights are equal"),
     "8 bits": (png(8, 8, bits=8, data=zlib.compress(bytes([0, *range(8)] * 8))), "8 bits hold 256 heights"),
     "1 bit": (png(8, 8, bits=1, data=zlib.compress(bytes(16))), "bits"),
@@ -261,7 +258,7 @@ def test_a_plain_table_needs_a_pixel_size(tmp_path, monkeypatch):
     refused(lambda: mf.read_surface(tmp_path / "map.csv"), "give pixel_size")
 
 
-@settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 @pytest.mark.parametrize("kind", ["esri", "plain", "slopes"])
 def test_damaged_texts_are_read_or_refused(tmp_path, kind, data):
@@ -285,7 +282,7 @@ def test_damaged_texts_are_read_or_refused(tmp_path, kind, data):
             assert np.isfinite(surface.heights[surface.mask]).all()
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=st.text(alphabet="0123456789.,;+-eE \t\n#naif", max_size=200), esri=st.booleans())
 def test_any_text_is_read_or_refused(tmp_path, text, esri):
     header = "ncols 3\nnrows 3\ncellsize 1\n" if esri else ""

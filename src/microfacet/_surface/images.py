@@ -41,6 +41,7 @@ def read(
     file: Path, channel: int | str | None, height_scale: float | None, stated_unit: bool, sized: bool
 ) -> HeightImage | None:
     """The heights of an image; None for a microscope's file, which is an image by its suffix alone."""
+    scale = None if height_scale is None else positive(height_scale, "height_scale")
     facts, pixels = decode(file, normals=False, channel=channel)
     geographic = "pixel_size" in facts
     if facts.get("microscope"):
@@ -58,9 +59,9 @@ def read(
     if geographic and not sized:
         _refuse_what_is_not_metres(facts)
     steps: tuple[str, ...] = ("rows turned so that y runs up the image",)
-    if height_scale is not None:
-        pixels = pixels * positive(height_scale, "height_scale")
-        steps += (f"heights of {height_scale:g} m per grey level, as given by the caller",)
+    if scale is not None:
+        pixels = pixels * scale
+        steps += (f"heights of {scale:g} m per grey level, as given by the caller",)
     size = facts.get("pixel_size")
     return HeightImage(
         np.flipud(pixels),
