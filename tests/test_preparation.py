@@ -67,6 +67,24 @@ def test_a_sphere_is_removed_and_its_radius_found(sign, radius):
     assert float(left.steps[0].split()[-2]) == pytest.approx(sign * radius, rel=2e-3)
 
 
+@pytest.mark.parametrize("degrees", [0.0, 37.0, 90.0, 150.0])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_cylinder_is_removed_with_its_radius_and_axis(degrees, sign):
+    x, y = grid(70, 90, 2e-6, 2e-6)
+    angle = math.radians(degrees)
+    along, across = (
+        x * math.cos(angle) + y * math.sin(angle),
+        y * math.cos(angle) - x * math.sin(angle) - 1e-5,
+    )
+    heights = sign * np.sqrt(4e-4**2 - across**2) + 0.02 * along
+    noise = 1e-9 * np.random.default_rng(0).normal(size=x.shape)
+    left = mf.Surface(heights + noise, 2e-6).remove_form("cylinder")
+    assert np.std(left.heights) == pytest.approx(1e-9, rel=0.05)
+    words = left.steps[0].replace(",", "").split()
+    assert float(words[6]) == pytest.approx(sign * 4e-4, rel=2e-3)
+    assert math.cos(2 * (math.radians(float(words[10])) - angle)) > 1 - 1e-6
+
+
 def test_spikes_are_masked_and_nothing_else():
     rng = np.random.default_rng(2)
     x, y = grid(60, 70, 1.0, 1.0)

@@ -102,7 +102,7 @@ _SURFACE: dict[str, dict[str, Any]] = {
         "help": "plane (default), three-point, none, or the degree of a polynomial.",
     },
     "level_point": {"multiple": True, "metavar": "COLUMN,ROW", "help": "A point of three-point; thrice."},
-    "form": {"metavar": "KIND", "help": "Remove a sphere, or a polynomial of this degree."},
+    "form": {"metavar": "KIND", "help": "Remove a sphere, a cylinder, or a polynomial of this degree."},
     "s_filter": {"type": float, "metavar": "X", "help": "Cut-off of a Gaussian S-filter, in metres."},
     "l_filter": {"type": float, "metavar": "X", "help": "Cut-off of a Gaussian L-filter, in metres."},
     "lag": {"type": click.IntRange(min=1), "metavar": "N", "help": "Pixels to either side of a slope."},

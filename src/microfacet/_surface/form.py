@@ -1,10 +1,11 @@
-"""What is subtracted from a height map before its slopes are looked at: a plane, a polynomial, a sphere."""
+"""What is subtracted from a height map before its slopes are looked at: plane, polynomial, sphere, cylinder."""
 
 from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from scipy.optimize import least_squares
 
 from microfacet._surface.checks import SurfaceError, short
 
-__all__ = ["checked_degree", "plane_through", "polynomial", "sphere"]
+__all__ = ["checked_degree", "cylinder", "plane_through", "polynomial", "sphere"]
 
 Map = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -50,37 +51,101 @@ def polynomial(heights: Map, mask: Mask, degree: int) -> Map:
 def sphere(heights: Map, mask: Mask, pixel_size: tuple[float, float]) -> tuple[Map, float]:
     """The least-squares sphere (vertical distances) at every pixel, and its radius, negative for a hollow.
 
-    As ``z0 + k r^2/(1 + sqrt(1 - k^2 r^2))`` with r the distance from the apex and k the curvature, which
-    stays regular for nearly flat maps. The paraboloid of the same curvature is where the search begins.
+    The search begins at the paraboloid of the same curvature.
     """
-    ny, nx = heights.shape
-    dx, dy = pixel_size
-    x = (np.arange(nx) - (nx - 1) / 2)[np.newaxis, :] * dx
-    y = (np.arange(ny) - (ny - 1) / 2)[:, np.newaxis] * dy
-    scale = max(float(x[0, -1]), float(y[-1, 0]))
-    x, y = x / scale, y / scale
-    row, column = np.nonzero(mask)
-    chosen = slice(None, None, 1 + row.size // _FIT_PIXELS)
-    px, py, h = x[0, column[chosen]], y[row[chosen], 0], heights[mask][chosen] / scale
-    basis = np.column_stack((np.ones_like(px), px, py, (px**2 + py**2) / 2))
-    offset, tilt_x, tilt_y, bend = np.linalg.lstsq(basis, h - np.mean(h), rcond=None)[0]
+    grid = _Grid.of(heights, mask, pixel_size)
+    quadratic = grid.quadratic()
+    tilt, bend = quadratic[1:3], _limited((quadratic[3] + quadratic[5]) / 2)
+    apex = -tilt / bend
+    start = np.array([quadratic[0] - bend * (apex @ apex) / 2, *apex, bend])
+
+    def shape(parameters: Map, x: Map, y: Map) -> Map:
+        height, x0, y0, curvature = parameters
+        return np.asarray(height + _cap((x - x0) ** 2 + (y - y0) ** 2, curvature))
+
+    form, found = grid.fitted(shape, start)
+    return form, -grid.scale / float(found[3])
+
+
+def cylinder(heights: Map, mask: Mask, pixel_size: tuple[float, float]) -> tuple[Map, float, float]:
+    """The least-squares cylinder at every pixel, its radius, and the direction of its axis in radians.
+
+    Heights rise linearly along the axis, so the part need not lie flat. The search begins at the parabolic
+    cylinder along the direction in which the map bends least.
+    """
+    grid = _Grid.of(heights, mask, pixel_size)
+    offset, tilt_x, tilt_y, bend_xx, bend_xy, bend_yy = grid.quadratic()
+    bends, axes = np.linalg.eigh(np.array([[bend_xx, bend_xy], [bend_xy, bend_yy]]))
+    most = int(np.argmax(np.abs(bends)))
+    across = axes[:, most]
+    bend = _limited(float(bends[most]))
+    tilt = np.array([tilt_x, tilt_y])
+    ridge = -float(tilt @ across) / bend
+    along = np.array([across[1], -across[0]])  # the axis, a quarter turn clockwise
+    start = np.array(
+        [offset - bend * ridge**2 / 2, float(tilt @ along), ridge, math.atan2(along[1], along[0]), bend]
+    )
+
+    def shape(parameters: Map, x: Map, y: Map) -> Map:
+        height, tilt, ridge, angle, curvature = parameters
+        t, s = x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
+        return np.asarray(height + tilt * t + _cap((s - ridge) ** 2, curvature))
+
+    form, found = grid.fitted(shape, start)
+    return form, -grid.scale / float(found[4]), float(found[3]) % math.pi
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Heights and places in units of half the longer side, from the middle of the map; some of the pixels."""
+
+    x: Map
+    y: Map
+    scale: float
+    middle: float
+    chosen: tuple[Map, Map, Map]
+
+    @classmethod
+    def of(cls, heights: Map, mask: Mask, pixel_size: tuple[float, float]) -> _Grid:
+        ny, nx = heights.shape
+        x = (np.arange(nx) - (nx - 1) / 2)[np.newaxis, :] * pixel_size[0]
+        y = (np.arange(ny) - (ny - 1) / 2)[:, np.newaxis] * pixel_size[1]
+        scale = max(float(x[0, -1]), float(y[-1, 0]))
+        x, y = x / scale, y / scale
+        row, column = np.nonzero(mask)
+        some = slice(None, None, 1 + row.size // _FIT_PIXELS)
+        row, column = row[some], column[some]
+        values = heights[row, column]
+        middle = float(np.mean(values))
+        return cls(x, y, scale, middle, (x[0, column], y[row, 0], (values - middle) / scale))
+
+    def quadratic(self) -> Map:
+        """Coefficients of 1, x, y, x^2/2, x y, y^2/2."""
+        x, y, z = self.chosen
+        basis = np.column_stack((np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2))
+        return np.asarray(np.linalg.lstsq(basis, z, rcond=None)[0])
+
+    def fitted(self, shape: Callable[[Map, Map, Map], Map], start: Map) -> tuple[Map, Map]:
+        """The shape of least squares at every pixel, in metres, and its parameters."""
+        x, y, z = self.chosen
+
+        def residual(parameters: Map) -> Map:
+            return shape(parameters, x, y) - z
+
+        found = np.asarray(least_squares(residual, start, x_scale=np.abs(start) + 1e-3).x)
+        return self.scale * shape(found, self.x, self.y) + self.middle, found
+
+
+def _cap(r2: Map, curvature: Any) -> Map:
+    """A circle as ``k r^2/(1 + sqrt(1 - k^2 r^2))``, which stays regular where it is nearly flat."""
+    return np.asarray(curvature * r2 / (1 + np.sqrt(np.maximum(1 - curvature**2 * r2, 0.0))))
+
+
+def _limited(bend: float) -> float:
+    """A curvature at which the whole map fits onto the circle, as a start."""
     if abs(bend) < 1e-12:
-        raise SurfaceError("the map has no curvature, so no sphere fits it: level it instead")
-    bend = math.copysign(min(abs(bend), 0.7), bend)  # the whole map must fit onto the sphere
-    apex = (-tilt_x / bend, -tilt_y / bend)
-    start = np.array([offset - bend * (apex[0] ** 2 + apex[1] ** 2) / 2, *apex, bend])
-
-    def cap(parameters: Any, x: Map, y: Map) -> Map:
-        height, x0, y0, k = parameters
-        r2 = (x - x0) ** 2 + (y - y0) ** 2
-        return np.asarray(height + k * r2 / (1 + np.sqrt(np.maximum(1 - k * k * r2, 0.0))))
-
-    def residual(parameters: Map) -> Map:
-        return cap(parameters, px, py) - (h - np.mean(h))
-
-    found = least_squares(residual, start, x_scale=np.abs(start) + 1e-3)
-    form = scale * (cap(found.x, x, y) + np.mean(h))
-    return form, -scale / float(found.x[3])
+        raise SurfaceError("the map has no curvature, so no sphere and no cylinder fits it: level it instead")
+    return math.copysign(min(abs(bend), 0.7), bend)
 
 
 def plane_through(

@@ -110,13 +110,14 @@ class Surface(HeightMap):
 
         Parameters
         ----------
-        shape : int or "sphere"
-            Total degree of a least-squares polynomial, in [2, 12], or the least-squares sphere.
+        shape : int, "sphere" or "cylinder"
+            Total degree of a least-squares polynomial, in [2, 12], or the least-squares sphere or cylinder
+            (of vertical distances; the axis of the cylinder may lie anywhere and rise).
 
         Returns
         -------
         Surface
-            What remains; its `steps` name the form, with the radius of a sphere (negative for a hollow).
+            What remains; its `steps` name the form, with its radius (negative for a hollow).
 
         Examples
         --------
@@ -131,8 +132,14 @@ class Surface(HeightMap):
             return self._step(
                 f"form removed: least-squares sphere of radius {radius:.4g} m", self.heights - fitted
             )
+        if shape == "cylinder":
+            fitted, radius, angle = form.cylinder(self.heights, self.mask, self.pixel_size)
+            what = f"cylinder of radius {radius:.4g} m, axis at {math.degrees(angle):.4g} degrees"
+            return self._step(f"form removed: least-squares {what}", self.heights - fitted)
         if isinstance(shape, str):
-            raise SurfaceError(f"form must be sphere or the degree of a polynomial, got {short(shape)}")
+            raise SurfaceError(
+                f"form must be sphere, cylinder or the degree of a polynomial, got {short(shape)}"
+            )
         degree = form.checked_degree(shape, least=2)
         fitted = form.polynomial(self.heights, self.mask, degree)
         return self._step(f"form removed: least-squares polynomial of degree {degree}", self.heights - fitted)
