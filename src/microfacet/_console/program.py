@@ -93,7 +93,7 @@ _SURFACE: dict[str, dict[str, Any]] = {
         "help": "The file holds slopes, in two columns, or as a normal map of this convention.",
     },
     "channel": {"metavar": "NAME", "help": "Which map of a file that holds several: name or number."},
-    "pixel_size": {"type": float, "metavar": "X", "help": "In metres, for a file that states none."},
+    "pixel_size": {"type": float, "metavar": "METRES", "help": "For a file that states none."},
     "unit": {"metavar": "NAME", "help": "Of the lengths in a file that states none."},
     "scale": {"type": float, "metavar": "X", "help": "Metres per grey level of a height image."},
     "outliers": {"type": float, "metavar": "X", "help": "Mask what sticks out by X robust deviations."},
@@ -103,10 +103,10 @@ _SURFACE: dict[str, dict[str, Any]] = {
     },
     "level_point": {"multiple": True, "metavar": "COLUMN,ROW", "help": "A point of three-point; thrice."},
     "form": {"metavar": "KIND", "help": "Remove a sphere, a cylinder, or a polynomial of this degree."},
-    "s_filter": {"type": float, "metavar": "X", "help": "Cut-off of a Gaussian S-filter, in metres."},
-    "l_filter": {"type": float, "metavar": "X", "help": "Cut-off of a Gaussian L-filter, in metres."},
+    "s_filter": {"type": float, "metavar": "METRES", "help": "Cut-off of a Gaussian S-filter."},
+    "l_filter": {"type": float, "metavar": "METRES", "help": "Cut-off of a Gaussian L-filter."},
     "lag": {"type": click.IntRange(min=1), "metavar": "N", "help": "Pixels to either side of a slope."},
-    "lag_length": {"type": float, "metavar": "X", "help": "The same in metres."},
+    "lag_length": {"type": float, "metavar": "METRES", "help": "The same as a length."},
 }
 
 

@@ -1,4 +1,4 @@
-"""What is subtracted from a height map before its slopes are looked at: plane, polynomial, sphere, cylinder."""
+"""What is subtracted from a height map before its slopes are looked at: plane, polynomial, sphere."""
 
 from __future__ import annotations
 

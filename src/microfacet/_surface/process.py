@@ -63,14 +63,14 @@ def run(
 
 def _answer(output: bytes) -> tuple[dict[str, Any], NDArray[np.float64]]:
     """One line of JSON, then the array as float64; anything else means that the child died."""
-    line, _, data = output.partition(b"\n")
+    start = output.find(b"\n") + 1
     try:
-        answer = json.loads(line)
+        answer = json.loads(output[:start])
     except ValueError:
         raise SurfaceError("the reader of this format crashed or ran out of memory on the file") from None
     if "error" in answer:
         raise SurfaceError(answer["error"])
-    return answer, np.frombuffer(data, dtype=np.float64).reshape(answer["shape"])
+    return answer, np.frombuffer(output, dtype=np.float64, offset=start).reshape(answer["shape"])
 
 
 def installed(library: str) -> bool:
