@@ -248,8 +248,7 @@ def sample(
 def fit(file: str, reading: dict[str, Any], families: tuple[str, ...], as_json: bool) -> None:
     """Fit the families to the slopes of a measured surface and rank them.
 
-    FILE is a height map: .npz, .npy, .x3p, a grid of numbers, an image, and what instruments write where
-    microfacet[surface] is installed; or slopes.
+    FILE is a height map: .npz, .npy, .x3p, and what SurfaceTopography reads where it is installed.
 
     \b
     Examples:
