@@ -63,16 +63,19 @@ struct policy {
       searches || iterates || (requires { Operation::composes; } && std::is_same_v<Real, double>);
   static constexpr bool in_closed_form = requires { &family::sf_over_density; };
 
-  // Tables pay where all that the operation needs of the density is costly: none stands for a short closed
-  // form. Without closed forms visible normals are drawn from tables alone.
-  static constexpr bool prepares =
-      family::costly != 0 && (samples_visible ? !in_closed_form : (Operation::needs & ~family::costly) == 0);
-  static constexpr bool from_tables_alone = searches || (samples_visible && prepares);
-  // With closed forms, in float32 composing from tables is faster than solving.
-  static constexpr bool composes = requires { Operation::composes; } && in_closed_form && family::costly != 0;
-
   template <class Real>
   static constexpr bool computes_in = std::is_same_v<Real, double> || family::native_float32;
+
+  // Tables pay where all that the operation needs of the density is costly, as float32 is for a family that
+  // computes in double: none stands for a short closed form. Without closed forms visible normals are drawn
+  // from tables alone.
+  template <class Real>
+  static constexpr bool prepares =
+      family::costly != 0 &&
+      (samples_visible ? !in_closed_form : (Operation::needs & ~family::costly) == 0 || !computes_in<Real>);
+  static constexpr bool from_tables_alone = searches || (samples_visible && prepares<double>);
+  // With closed forms, in float32 composing from tables is faster than solving.
+  static constexpr bool composes = requires { Operation::composes; } && in_closed_form && family::costly != 0;
 };
 
 template <class Model, class Operation, class Lanes>
@@ -100,7 +103,7 @@ constexpr kernel_set<Real> kernels_of() {
     }
     if constexpr (Varying) k.varying = &evaluate_varying<Model, Operation, lanes<Real>>;
   }
-  if constexpr (p::prepares || (p::composes && std::is_same_v<Real, float>)) {
+  if constexpr (p::template prepares<Real> || (p::composes && std::is_same_v<Real, float>)) {
     constexpr bool one_register = p::template one_register<Real>;
     using table_lanes = lanes<Real, one_register ? 1 : most_registers>;
     using own = decltype(prepared_distribution<Model, table_lanes>(

@@ -124,3 +124,10 @@ def test_float32_reaches_directions_whose_area_it_cannot_hold(ndf: Any, degrees:
     assert np.all(difference < 1e-6 * double.mean(axis=1) + 5 * spread * np.sqrt(2 / 4000))
     if dims >= 3:  # where results replace the uniform numbers
         np.testing.assert_allclose(slopes(np.float32, in_place=True)[0], single[0], rtol=1e-5)
+
+
+@pytest.mark.parametrize("ndf", [mf.GTR(alpha=0.3, gamma=1.5), mf.BesselK(alpha=0.3, a=1.3)], ids=repr)
+def test_mixture_is_a_scheme_of_its_own(ndf: Any) -> None:
+    xi = np.random.default_rng(1).random((100, ndf.mixture_dims))
+    schemes = [ndf.sample_visible(towards(60), xi, scheme=scheme) for scheme in ("continuous", "mixture")]
+    assert not np.allclose(*schemes)

@@ -154,7 +154,9 @@ class Sampling(Quantities):
             self._require_bounded(owner)
             return "sample_visible_bounded"
         # A shape parameter may bring a closed sampler, which has fewer dimensions and no mixture.
-        mixes = hasattr(self.kernels, "stretched_sample_visible_mixture")
+        mixes = any(
+            hasattr(self.kernels, f"{shape}_sample_visible_mixture") for shape in ("isotropic", "stretched")
+        )
         closed = self.visible_dims < self.kernels.visible_dims
         return "sample_visible_mixture" if scheme == "mixture" and mixes and not closed else "sample_visible"
 

@@ -58,11 +58,12 @@ struct walk_rays {
 
   void draw(long met) {
     const std::uint64_t number = (walk_ << 24) + static_cast<std::uint64_t>(met);
+    const std::size_t n = index(padded);
     for (unsigned k = 0; k < uniforms / 2; ++k) {
-      for (std::size_t i = 0; i < index(padded); ++i) {
-        const words both = threefry({seed_, element_[i]}, {number, k});
-        xi[2 * k][i] = uniform_of<T>(both[0]), xi[2 * k + 1][i] = uniform_of<T>(both[1]);
-      }
+      words_.x0.fill(number), words_.x1.fill(k);
+      words_.scramble(n, seed_, element_);
+      for (std::size_t i = 0; i < n; ++i) xi[2 * k][i] = uniform_of<T>(words_.x0[i]);
+      for (std::size_t i = 0; i < n; ++i) xi[2 * k + 1][i] = uniform_of<T>(words_.x1[i]);
     }
   }
 
@@ -102,6 +103,7 @@ struct walk_rays {
   }
 
   std::uint64_t walk_ = 0, seed_ = 0;
+  threefry_words<walk_block> words_{};
   walk_array<std::uint64_t> element_{};
   walk_array<int> slot_{};
   std::array<walk_array<T>, 2> parameters_{};
