@@ -1,4 +1,4 @@
-"""The commands: run, check, page."""
+"""The commands: run, check, page, materials."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from . import charts, gate, machine, page, scaling_page, suite
+from .materials import materials
 from .results import Results, write_whole
 from .runner import CONSOLE, Settings, consume, measure, show
 
@@ -100,6 +101,9 @@ def check(record: bool, seconds: float, thresholds: Path) -> None:
         click.echo(sentence, err=True)
     CONSOLE.print(f"{len(done)} kernels checked ({isa}), {sum(bool(found) for _, found in done)} too slow")
     sys.exit(1 if failures else 0)
+
+
+main.add_command(materials)
 
 
 def _write_page(results: Results, output: Path) -> None:

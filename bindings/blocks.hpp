@@ -22,9 +22,13 @@ inline constexpr std::ptrdiff_t filled_up = width<lanes<T, most_registers>>;  //
 // what none asked for.
 template <class From, class To>
 void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buffer<To>& target) {
+  const auto* const from = reinterpret_cast<const From*>(source);
   if (stride == sizeof(From)) {
-    for (std::ptrdiff_t i = 0; i < count; ++i)
-      target[i] = static_cast<To>(reinterpret_cast<const From*>(source)[i]);
+    for (std::ptrdiff_t i = 0; i < count; ++i) target[i] = static_cast<To>(from[i]);
+  } else if (stride == 3 * sizeof(From)) {  // a component of directions: compilers have vectors for it
+    for (std::ptrdiff_t i = 0; i < count; ++i) target[i] = static_cast<To>(from[3 * i]);
+  } else if (stride == 0) {
+    std::fill_n(target.begin(), count, static_cast<To>(*from));
   } else {
     for (std::ptrdiff_t i = 0; i < count; ++i)
       target[i] = static_cast<To>(*reinterpret_cast<const From*>(source + i * stride));
@@ -33,8 +37,11 @@ void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buf
 }
 template <class From, class To>
 void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, std::ptrdiff_t count) {
+  auto* const to = reinterpret_cast<To*>(target);
   if (stride == sizeof(To)) {
-    for (std::ptrdiff_t i = 0; i < count; ++i) reinterpret_cast<To*>(target)[i] = static_cast<To>(source[i]);
+    for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = static_cast<To>(source[i]);
+  } else if (stride == 3 * sizeof(To)) {
+    for (std::ptrdiff_t i = 0; i < count; ++i) to[3 * i] = static_cast<To>(source[i]);
   } else {
     for (std::ptrdiff_t i = 0; i < count; ++i)
       *reinterpret_cast<To*>(target + i * stride) = static_cast<To>(source[i]);

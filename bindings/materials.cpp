@@ -90,7 +90,7 @@ class single_step {
       : d_(distribution), b_(block) {}
 
   // wi, wo, material | correlated, radiance
-  void eval() {
+  [[gnu::flatten]] void eval() {
     each([&](int i) {
       const pair p = given(i);
       put(p.wi(), wi_, i), put(p.blocking(), blocking_, i), put(p.facet(), m_, i);
@@ -102,7 +102,7 @@ class single_step {
     });
   }
   // wi, wo, material | bounded
-  void pdf() {
+  [[gnu::flatten]] void pdf() {
     each([&](int i) {
       const pair p = given(i);
       put(p.wi(), wi_, i), put(p.mirror(), m_, i), put(p.lens(), other_, i);
@@ -120,7 +120,7 @@ class single_step {
     });
   }
   // wi, xi (4), material | correlated, radiance, bounded
-  void sample() {
+  [[gnu::flatten]] void sample() {
     each([&](int i) { put(pair(material(7, i), wi(i), wi(i)).wi(), wi_, i); });
     const bool bounded = b_.constant[2] != 0 && d_.has(quantity::visible_bounded);
     d_.draw(bounded ? quantity::visible_bounded : quantity::visible, b_.padded, wi_, &b_.in[3], m_);
@@ -136,7 +136,7 @@ class single_step {
   }
   // wi, m, material | correlated: what the facets m send on their way and out, of light from wi, per
   // steradian of normals: mirrored, and passed.
-  void facets() {
+  [[gnu::flatten]] void facets() {
     each([&](int i) {
       put(pair(material(6, i), wi(i), wi(i)).wi(), wi_, i);
       put(b_.template direction<L>(3, i), m_, i);

@@ -47,7 +47,7 @@ class dielectric {
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T& xi, const T&) const {
     const fresnel_split<T> at = fresnel_dielectric(dot(wi, m), eta_);
     // Also for xi = 1, but where all is reflected.
-    const auto passed = (xi >= at.reflected) & (at.reflected < T(1));
+    const decltype(xi < xi) passed = (xi >= at.reflected) & (at.reflected < T(1));
     const vec3<T> through = refract(wi, m, eta_, at.cosine);
     const T weight = T(1) + T(0) * at.reflected;
     return {select(passed, select(eta_ == T(1), scaled(wi, T(-1)), through), reflect(wi, m)), weight, passed};

@@ -41,10 +41,10 @@ T fresnel_conductor(const T& cosine, const T& eta_argument, const T& k_argument)
   const T larger = T(0.5) * (sum + abs(difference)) + smallest<T>();
   // The smaller of a^2 and b^2 by their product, which does not cancel.
   const T a = sqrt(select(difference > T(0), larger, T(T(0.25) * twice * twice / larger)));
-  const T of_s = (sum + c2) - T(2) * a * c, to_s = (sum + c2) + T(2) * a * c;
-  const T of_p = (sum * c2 + s2 * s2) - T(2) * a * c * s2, to_p = (sum * c2 + s2 * s2) + T(2) * a * c * s2;
-  const T s = maximum(of_s, T(0)) / (to_s + smallest<T>());
-  return T(0.5) * s * (T(1) + maximum(of_p, T(0)) / (to_p + smallest<T>()));
+  const T twice_a_c = T(2) * a * c;
+  const T of_s = maximum(T((sum + c2) - twice_a_c), T(0)), to_s = (sum + c2) + twice_a_c;
+  const T even = sum * c2 + s2 * s2, odd = twice_a_c * s2;  // of p over that of s: (even - odd)/(even + odd)
+  return of_s * even / (to_s * (even + odd) + smallest<T>());
 }
 
 }  // namespace microfacet

@@ -22,12 +22,12 @@ T pdf_of_mirrors(const facet_statistics<T>& at) {
 
 // G2(wi, wo)/G1(wi), wi above: 1/(1 + G1(wi) Lambda(wo)) for reflection, wo above; the Beta form for
 // transmission, wo below (Heitz 2014). Uncorrelated, G1(wo).
-template <class T>
+template <bool Transmits, class T>
 T shadowing(const T& wi_z, const T& wo_z, const facet_statistics<T>& at, bool correlated) {
   const T up = abs(wo_z);
   const T seen = correlated ? T(wi_z / at.area) : T(1);  // G1(wi)
   const auto reflected = [&] { return T(up / (up + at.blocking * seen + smallest<T>())); };
-  if (!correlated) return reflected();
+  if (!Transmits || !correlated) return reflected();
   const auto transmitted = [&] {
     const T most(1e30), whole = minimum(T(at.area / wi_z), most);  // 1 + Lambda(wi)
     const T lambda_i = maximum(T(whole - T(1)), T(0));

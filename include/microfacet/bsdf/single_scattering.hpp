@@ -51,7 +51,7 @@ class scattering_pair {
 
   // f |cos wo|. Radiance is scaled by 1/eta^2 where light passes.
   T eval(const vec3<T>& m, const facet_statistics<T>& at, bool correlated, bool radiance) const {
-    const T value = material_.phase(wi_, wo_, m, at) * shadowing(wi_.z, wo_.z, at, correlated);
+    const T value = material_.phase(wi_, wo_, m, at) * shadowing<transmits>(wi_.z, wo_.z, at, correlated);
     return inside(T(value * scale(radiance)));
   }
   // Of all directions that the visible normals give, also of those that no light leaves in.
@@ -74,7 +74,7 @@ class scattering_pair {
   // From the facet m that was drawn, and D at the other one. The weight is f |cos wo|/pdf.
   draw result(const vec3<T>& m, const facet_statistics<T>& at, const vec3<T>& other, const T& D_of_other,
               bool correlated, bool radiance) const {
-    T weight = shadowing(wi_.z, wo_.z, at, correlated) * scale(radiance), density;
+    T weight = shadowing<transmits>(wi_.z, wo_.z, at, correlated) * scale(radiance), density;
     if constexpr (transmits) {
       const facet_statistics<T> at_other{D_of_other, at.area, T(0)};
       const auto passed = passed_ > T(0);
@@ -100,7 +100,7 @@ class scattering_pair {
     const T reflectance = material_.reflectance(cosine), passed = passed_;
     const auto leaves = select(passed > T(0), T(-wo_.z), wo_.z) > T(0);
     const T share = select(passed > T(0), T(T(1) - reflectance), reflectance);
-    const T value = visible * share * shadowing(wi_.z, wo_.z, at, correlated);
+    const T value = visible * share * shadowing<transmits>(wi_.z, wo_.z, at, correlated);
     return inside(select(leaves, value, T(T(0) * visible)));
   }
 

@@ -174,8 +174,7 @@ class Conductor(Material):
         if bounded:
             self.ndf._require_bounded("Conductor.sample")
         values = [*xyz(i), *self._uniforms(xi, i.dtype)]
-        x, y, z, weight, pdf = self._of("sample", values, (float(self.correlated), 0.0, float(bounded)))
-        wo = np.stack((x, y, z), axis=-1)
+        wo, weight, pdf = self._of("sample", values, (float(self.correlated), 0.0, float(bounded)))
         for _ in self._channels:  # which share their directions
             wo, pdf = wo[..., 0, :], pdf[..., 0]
         return wo, weight, pdf

@@ -137,8 +137,8 @@ class Dielectric(Material):
             raise ValueError(f"Dielectric.sample: give xi, of shape (..., {self.sample_dims})")
         *facet, choice = self._uniforms(xi, i.dtype)
         wide = (float(self.correlated), self._radiance, 0.0)
-        x, y, z, weight, pdf = self._of("sample", [*xyz(i), *facet, choice], wide)
-        return np.stack((x, y, z), axis=-1), weight, pdf
+        wo, weight, pdf = self._of("sample", [*xyz(i), *facet, choice], wide)
+        return wo, weight, pdf
 
     def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
         """Walks from `wi`: directions out, what is left of the light, and how many facets it met."""

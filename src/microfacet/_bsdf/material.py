@@ -85,14 +85,23 @@ class Material:
         return np.broadcast_shapes(*(constant.shape for constant in self._constants))
 
     def _of(self, operation: str, values: list[Array], wide: tuple[Any, ...]) -> Any:
-        """A kernel at values (...), for every channel of the material: (..., *channels)."""
+        """A kernel at values (...), for every channel of the material: (..., *channels).
+
+        Of a kernel with several results the first three are a direction: (..., *channels, 3).
+        """
         behind = (np.newaxis,) * len(self._channels)
         lifted = [value[(..., *behind)] for value in values]
         constants = [constant.astype(values[0].dtype) for constant in self._constants]
         places = [
             place[(..., *behind)] if isinstance(place, np.ndarray) and place.ndim else place for place in wide
         ]
-        return self._kernel(operation)(*lifted, *constants, *places, *self.ndf._values)
+        kernel, inputs = self._kernel(operation), (*lifted, *constants, *places, *self.ndf._values)
+        if kernel.nout < 3:
+            return kernel(*inputs)
+        shape = np.broadcast_shapes(*(np.shape(x) for x in inputs))
+        wo = np.empty((*shape, 3), values[0].dtype)
+        rest = kernel(*inputs, out=(*(wo[..., k] for k in range(3)), *[None] * (kernel.nout - 3)))[3:]
+        return wo, *rest
 
     def _walk_eval(
         self, wi: Array, wo: Array, rng: Any, n: int, orders: tuple[float, float], radiance: float
@@ -108,8 +117,7 @@ class Material:
         """Directions out, their weights, and how many facets light met."""
         elements = np.arange(float(np.prod(wi.shape[:-1], dtype=np.int64))).reshape(wi.shape[:-1])
         wide = (elements, _seed(type(self).__name__, rng), radiance)
-        x, y, z, weight, order = self._of("walk", xyz(wi), wide)
-        wo = np.stack((x, y, z), axis=-1)
+        wo, weight, order = self._of("walk", xyz(wi), wide)
         # Of the channels, which share a walk, the one that went farthest has its end.
         for _ in self._channels:
             last = np.expand_dims(np.argmax(order, axis=-1), -1)
