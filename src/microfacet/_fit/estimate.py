@@ -1,70 +1,30 @@
-"""`fit`: the maximum of the likelihood of each family, and their ranking."""
+"""`fit`: the maximum of the likelihood of each family, what is known of it, and the families' ranking."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize
 
 from microfacet._family import Family
 from microfacet._family import families as all_families
-from microfacet._fit.model import Model, model_of
+from microfacet._fit import blocks
+from microfacet._fit.errors import Uncertainty, azimuth_of_x, parameters, uncertainty
+from microfacet._fit.goodness import goodness
+from microfacet._fit.model import SHAPE_RANGE, Model, State
+from microfacet._fit.newton import fold_state, maximise
+from microfacet._fit.result import FitResult
 from microfacet._fit.slopes import MAX_SLOPES, Slopes, prepare
 from microfacet._surface import Surface
 
-__all__ = ["FitResult", "fit"]
+__all__ = ["Progress", "chosen_families", "fit"]
 
-_SHAPE_STARTS = (0.1, 0.4, 1.0, 2.5, 6.0, 20.0)  # above the lower end of the parameter's interval
-_FIRST_SEARCH = 4000  # slopes for the search from several starts
-
-
-@dataclass(frozen=True)
-class FitResult:
-    """A family fitted to slopes by maximum likelihood.
-
-    Attributes
-    ----------
-    family : str
-        Name of the family.
-    params : dict of str to float
-        ``alpha_x``, ``alpha_y``, ``rotation`` (radians, counter-clockwise, in [-pi/4, pi/4]) and ``gamma`` or
-        ``a`` if the family has one; for ``gtr`` ``alpha`` and ``gamma``.
-    log_likelihood : float
-        Natural logarithm of the likelihood, summed over the `n` slopes.
-    n : int
-        Number of slopes that were used.
-    aic, bic : float
-        Akaike's and Schwarz's criterion with ``len(params)`` parameters. The mean slope, which all families
-        share, is not counted. Both take the slopes for independent; neighbouring slopes of a measured map are
-        not, so differences between families are overstated.
-    ndf : distribution
-        The fitted distribution, for example a `StudentT`.
-    mean_slope : (float, float)
-        Mean slope of the sample (estimated by the median), subtracted before the fit.
-    lag : int or None
-        Lag in pixels at which the slopes of a surface were taken. alpha and shape depend on it.
-    converged : bool
-        Whether the search ended in a maximum.
-    notes : tuple of str
-        What a reader of the numbers should know: slopes left out, a parameter at the edge of its range.
-    """
-
-    family: str
-    params: dict[str, float]
-    log_likelihood: float
-    n: int
-    aic: float
-    bic: float
-    ndf: Any
-    mean_slope: tuple[float, float]
-    lag: int | None
-    converged: bool
-    notes: tuple[str, ...] = ()
+#: Told what begins, how many steps are done, and how many there are.
+Progress = Callable[[str, int, int], None]
 
 
 def fit(
@@ -72,6 +32,7 @@ def fit(
     families: str | Iterable[str] | None = None,
     lag: int | None = None,
     max_slopes: int | None = MAX_SLOPES,
+    progress: Progress | None = None,
 ) -> list[FitResult]:
     r"""Fit families of slope densities by maximum likelihood, best first.
 
@@ -79,15 +40,18 @@ def fit(
 
     .. math:: \sum_i \log P_{22}(p_i - \bar p, q_i - \bar q)
 
-    where :math:`(\bar p, \bar q)` is the mean slope. A surface need not be levelled: a plane changes only the
-    mean slope. Slopes of quantised heights that fall into the cell of quantisation around the mean slope
-    count with the root mean square slope of that cell, because k0 and bessel_k are infinite at slope 0.
+    where :math:`(\bar p, \bar q)` is the mean slope. It is estimated by the median, for all families alike:
+    the likelihood of k0 and bessel_k is infinite where the mean meets a slope of the sample, so their maximum
+    does not exist; and as the densities are symmetric, the mean and the other parameters are estimated
+    independently of each other. A surface need not be levelled: a plane changes only the mean slope. Slopes
+    of quantised heights that fall into the cell of quantisation around the mean slope count with the root
+    mean square slope of that cell, because k0 and bessel_k are infinite at slope 0.
 
     Parameters
     ----------
     slopes_or_surface : array_like, shape (N, 2), or Surface
         Slopes ``(p, q)`` along x and y (dimensionless, N >= 20, in [-1e6, 1e6]), or a surface to take them
-        from.
+        from. Slopes are taken for independent of each other; those of a surface are not.
     families : str or iterable of str, optional
         Names of families; all six by default.
     lag : int, optional
@@ -96,13 +60,16 @@ def fit(
     max_slopes : int or None
         Of more slopes than this, so many are drawn at random, with a fixed seed (the result says so in
         `notes`). None uses all.
+    progress : callable, optional
+        Called with (what begins, steps done, steps in all).
 
     Returns
     -------
     list of FitResult
-        Ranked by the Bayesian information criterion, smallest (best) first. Between families with the same
-        number of parameters that is the likelihood; a family that contains another, such as student_t and
-        ggx, has to gain more than its extra parameter would by chance.
+        Best first: by `held_out`, the log-likelihood of slopes that were left out of the fit. Families within
+        two standard errors of the largest are tied, stand first, and are ordered by the Bayesian information
+        criterion: of two that describe the slopes equally well, the one with fewer parameters is the better
+        description.
 
     Raises
     ------
@@ -112,7 +79,9 @@ def fit(
 
     References
     ----------
-    G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6, 1978.
+    G. Schwarz, Estimating the dimension of a model, Annals of Statistics 6, 1978. M. Stone, Cross-validatory
+    choice and assessment of statistical predictions, JRSS B 36, 1974. D. R. Roberts et al., Cross-validation
+    strategies for data with temporal, spatial, hierarchical, or phylogenetic structure, Ecography 40, 2017.
 
     Examples
     --------
@@ -124,21 +93,29 @@ def fit(
     >>> best = mf.fit(slopes)[0]
     >>> best.family, round(best.params["alpha_x"], 1), round(best.params["alpha_y"], 1)
     ('ggx', 0.1, 0.4)
+    >>> abs(best.params["alpha_x"] - 0.1) < 3 * best.standard_errors["alpha_x"] < 0.01
+    True
     """
-    chosen = _chosen(families)
+    chosen, tell = chosen_families(families), progress or (lambda *_: None)
     if max_slopes is not None and not max_slopes >= 20:
         raise ValueError(f"max_slopes must lie in [20, inf) or be None, got {max_slopes}")
     if isinstance(slopes_or_surface, Surface):
-        lag = slopes_or_surface.lag if lag is None else lag
-        slopes = prepare(slopes_or_surface.slopes(lag), max_slopes)
+        surface = slopes_or_surface
+        lag = surface.lag if lag is None else lag
+        slopes = prepare(surface.slopes(lag), max_slopes, blocks.cells_of_map(surface.mask, lag))
     elif lag is not None:
         raise ValueError(f"lag applies to a Surface, not to slopes, got {lag}")
     else:
         slopes = prepare(slopes_or_surface, max_slopes)
-    return sorted((_fit_family(family, slopes, lag) for family in chosen), key=lambda result: result.bic)
+    found = []
+    for done, family in enumerate(chosen):
+        tell(family.title, done, len(chosen))
+        found.append(_fit_family(family, slopes))
+    return _ranked(found, slopes, lag)
 
 
-def _chosen(names: str | Iterable[str] | None) -> list[Family]:
+def chosen_families(names: str | Iterable[str] | None) -> list[Family]:
+    """The families of these names, all for None; `ValueError` for a name that there is not."""
     known = {family.name: family for family in all_families()}
     wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
     for name in wanted:
@@ -149,75 +126,84 @@ def _chosen(names: str | Iterable[str] | None) -> list[Family]:
     return [known[name] for name in dict.fromkeys(wanted)]
 
 
-class _Maximum(NamedTuple):
-    variables: NDArray[np.float64]
-    mean_log_density: float
-    gradient: NDArray[np.float64]
+class _Fitted(NamedTuple):
+    model: Model
+    state: State
+    uncertainty: Uncertainty
+    log_likelihood: float
+    held_out: NDArray[np.float64]  # log-likelihood of each group under the fit without its fold
+    converged: bool
+    notes: tuple[str, ...]
 
 
-def _fit_family(family: Family, slopes: Slopes, lag: int | None) -> FitResult:
-    model = model_of(family, slopes)
-    found = _maximise(model, _first_search(family, slopes.part(_FIRST_SEARCH)))
-    params = model.parameters(found.variables)
-    log_likelihood = slopes.n * found.mean_log_density
+def _fit_family(family: Family, slopes: Slopes) -> _Fitted:
+    model, found = maximise(family, slopes)
+    held_out = np.zeros(len(slopes.sizes))
+    for fold in range(blocks.FOLDS):
+        held_out += model.value(fold_state(model, found, fold), only=fold)
+    known = uncertainty(model, found)
+    return _Fitted(
+        model,
+        found.state,
+        known,
+        float(np.sum(found.sums.value)),
+        held_out,
+        found.converged,
+        slopes.notes + _edge_notes(family, found.state) + known.notes,
+    )
+
+
+def _ranked(found: list[_Fitted], slopes: Slopes, lag: int | None) -> list[FitResult]:
+    """One result per family; the effective number of slopes is that under the best family."""
+    best = max(found, key=lambda fitted: float(np.sum(fitted.held_out)))
+    share = best.uncertainty.independent_share
+    results = [_result(fitted, best, share, slopes, lag) for fitted in found]
+    order = sorted(
+        results, key=lambda result: (not result.tied, result.bic if result.tied else -result.held_out)
+    )
+    first = next(fitted for fitted in found if fitted.model.family.name == order[0].family)
+    errors = {fitted.model.family.name: _difference_error(first, fitted, slopes) for fitted in found}
+    return [replace(result, held_out_error=errors[result.family]) for result in order]
+
+
+def _result(fitted: _Fitted, best: _Fitted, share: float, slopes: Slopes, lag: int | None) -> FitResult:
+    model, state, n = fitted.model, fitted.state, slopes.n
+    params = parameters(model, state)
+    effective, per_slope = share * n, fitted.log_likelihood / n
+    behind = float(np.sum(best.held_out - fitted.held_out)) / n
     return FitResult(
-        family=family.name,
+        family=model.family.name,
         params=params,
-        log_likelihood=log_likelihood,
-        n=slopes.n,
-        aic=2 * len(params) - 2 * log_likelihood,
-        bic=len(params) * math.log(slopes.n) - 2 * log_likelihood,
-        ndf=family.cls(**params),
+        standard_errors=fitted.uncertainty.errors,
+        log_likelihood=fitted.log_likelihood,
+        log_likelihood_per_sample=per_slope,
+        held_out=float(np.sum(fitted.held_out)) / n,
+        held_out_error=0.0,
+        tied=behind <= 2 * _difference_error(best, fitted, slopes),
+        n=n,
+        n_effective=effective,
+        aic=2 * len(params) - 2 * effective * per_slope,
+        bic=len(params) * math.log(effective) - 2 * effective * per_slope,
+        ndf=model.family.cls(**params),
         mean_slope=slopes.mean,
+        mean_slope_errors=slopes.mean_errors,
         lag=lag,
-        converged=_is_maximum(found, model.bounds),
-        notes=slopes.notes + _edge_notes(family, found, model.bounds),
+        converged=fitted.converged,
+        goodness=goodness(model, state, azimuth_of_x(model, state), share),
+        notes=fitted.notes,
     )
 
 
-def _first_search(family: Family, part: Slopes) -> NDArray[np.float64]:
-    """The best of the maxima that are reached from the two best starts, on a part of the slopes."""
-    model = model_of(family, part)
-    shapes: list[float | None] = [
-        shape.lower + start for shape in family.parameters[1:] for start in _SHAPE_STARTS
-    ]
-    candidates = [model.start(shape) for shape in shapes or [None]]
-    starts = sorted(candidates, key=model.mean_log_density, reverse=True)[:2]
-    return max(
-        (_maximise(model, start) for start in starts), key=lambda found: found.mean_log_density
-    ).variables
+def _difference_error(best: _Fitted, other: _Fitted, slopes: Slopes) -> float:
+    """Standard error of the difference of their `held_out`, from how the groups differ."""
+    difference = best.held_out - other.held_out
+    rest = difference - difference.sum() / slopes.n * slopes.sizes
+    return math.sqrt(float(blocks.scatter(rest, slopes.on_map)[0, 0])) / slopes.n
 
 
-def _maximise(model: Model, start: NDArray[np.float64]) -> _Maximum:
-    def loss(variables: NDArray[np.float64]) -> float:
-        return -model.mean_log_density(variables)
-
-    def loss_gradient(variables: NDArray[np.float64]) -> NDArray[np.float64]:
-        return -model.gradient(variables)
-
-    found = minimize(
-        loss,
-        start,
-        jac=loss_gradient,
-        method="L-BFGS-B",
-        bounds=model.bounds,
-        options={"gtol": 1e-6, "ftol": 1e-13, "maxiter": 200},
-    )
-    return _Maximum(np.asarray(found.x), -float(found.fun), -np.asarray(found.jac))
-
-
-def _is_maximum(found: _Maximum, bounds: list[tuple[float, float]]) -> bool:
-    """Whether the gradient vanishes, but for components that push against a bound."""
-    low, high = np.array(bounds).T
-    pushed = np.clip(found.variables + found.gradient, low, high) - found.variables
-    return bool(math.isfinite(found.mean_log_density) and np.abs(pushed).max() < 1e-4)
-
-
-def _edge_notes(family: Family, found: _Maximum, bounds: list[tuple[float, float]]) -> tuple[str, ...]:
-    low, high = bounds[-1]
-    end = {low: "lower", high: "upper"}.get(float(found.variables[-1]))
-    return tuple(
-        f"{parameter.name} is at the {end} end of the range that is searched"
-        for parameter in family.parameters[1:]
-        if end is not None
-    )
+def _edge_notes(family: Family, state: State) -> tuple[str, ...]:
+    low, high = SHAPE_RANGE
+    if state.log_shape is None or low < state.log_shape < high:
+        return ()
+    end = "lower" if state.log_shape <= low else "upper"
+    return (f"{family.parameters[1].name} is at the {end} end of the range that is searched",)

@@ -1,206 +1,251 @@
-"""The likelihood of slopes under one family, as a smooth function of unconstrained variables.
+"""The likelihood of slopes under one family, with its first and second derivatives.
 
-No density is written here: ``P22`` of the family's kernels is evaluated in standard space, and stretched.
+No density is written here: ``P22`` of the family's kernels is evaluated, at slopes that a linear map has
+taken to standard space. A point of the search is a `State`; derivatives are by small changes of it (tangent
+coordinates), so that one formula holds everywhere and no parametrisation has a singular place.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Collection
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from microfacet._family import Family
-from microfacet._fit.slopes import Slopes
+from microfacet._fit.slopes import Chunk, Slopes
 
-__all__ = ["Model", "model_of"]
+__all__ = ["SHAPE_RANGE", "Model", "Sums", "make_state"]
 
 Vector = NDArray[np.float64]
 # A shape parameter is searched in [lower + 0.01, lower + 150]: beyond, every family is at its limit for
 # practical purposes (Beckmann for large gamma and a).
-_SHAPE_RANGE = (math.log(0.01), math.log(150.0))
-_MEDIAN_RANGE = (-20.0, 20.0)
-_STRETCH_RANGE = (-4.0, 4.0)
-_LOG_ALPHA_RANGE = (-20.0, 20.0)
+SHAPE_RANGE = (math.log(0.01), math.log(150.0))
 _SMALLEST = 1e-280  # below, the density is about to underflow
-# Step of central differences in logarithmic variables: truncation about 1e-8, the kernels' rounding less.
-_STEP = 1e-4
+# Step of central differences in logarithmic variables: truncation of the first about 1e-7, and 1e-7 of
+# rounding of the kernels in the second.
+_STEP = 3e-4
+_MANY = 100_000  # slopes for which threads pay
 
 
-def model_of(family: Family, slopes: Slopes) -> Model:
-    return Stretched(family, slopes) if family.anisotropic else Isotropic(family, slopes)
+@dataclass(frozen=True, eq=False)
+class State:
+    """alpha, the map from whitened slopes to standard space, and log(shape - lower) if there is a shape.
+
+    Families that a linear map stretches keep alpha at 1 and are stretched by `inverse`; for the others
+    `inverse` is the unit matrix.
+    """
+
+    log_alpha: float
+    inverse: NDArray[np.float64]
+    log_shape: float | None
 
 
-class Model(ABC):
+class Sums(NamedTuple):
+    """Over each group: log-likelihood, its gradient and matrix of second derivatives; over all the squares of
+    the single slopes' gradients.
+    """
+
+    value: Vector
+    gradient: Vector
+    hessian: Vector
+    squares: Vector
+
+
+class Model:
     """One family and one sample of slopes.
 
-    The first variable is not the logarithm of alpha but that of the median slope (relative to the sample's),
-    which the data fix whatever the shape parameter is; the last is log(shape - lower) if there is a shape.
+    Tangent coordinates of a family that is stretched: (s, d, e) change standard slopes z to exp(-M) z with
+    the symmetric matrix M = ((s + d, e), (e, s - d)); of the others: log alpha. Then log(shape - lower), if
+    there is one.
     """
 
     def __init__(self, family: Family, slopes: Slopes) -> None:
-        self._family, self._slopes = family, slopes
+        self.family, self.slopes = family, slopes
+        self.stretched = family.anisotropic
+        self.size = (3 if self.stretched else 1) + len(family.parameters) - 1
+        self._log_stretch = math.log(abs(np.linalg.det(slopes.stretch))) if self.stretched else 0.0
 
-    @property
-    @abstractmethod
-    def bounds(self) -> list[tuple[float, float]]:
-        """Of the variables: wide, they only keep a search from running away."""
+    def shape(self, state: State) -> tuple[float, ...]:
+        """The shape parameter, if there is one."""
+        if state.log_shape is None:
+            return ()
+        return (self.family.parameters[1].lower + math.exp(state.log_shape),)
 
-    @abstractmethod
-    def mean_log_density(self, variables: Vector) -> float:
-        """The log-likelihood per slope."""
+    def moved(self, state: State, step: Vector) -> State:
+        """The state at these tangent coordinates. With the shape, alpha follows so that the median slope
+        stays where the step would take it to first order: the likelihood is steep across that valley and
+        curved along it.
+        """
+        log_alpha, inverse, log_shape = state.log_alpha, state.inverse, state.log_shape
+        scale = float(step[0])
+        if log_shape is not None:
+            change = float(np.clip(log_shape + step[-1], *SHAPE_RANGE)) - log_shape
+            new_shape = log_shape + change
+            slope = (self._median(state, _STEP) - self._median(state, -_STEP)) / (2 * _STEP)
+            scale += slope * change - (self._median(state, change) - self._median(state, 0.0))
+            log_shape = new_shape
+        if not self.stretched:
+            return State(log_alpha + scale, inverse, log_shape)
+        d, e = float(step[1]), float(step[2])
+        m = math.hypot(d, e)
+        odd = math.sinh(m) / m if m > 0 else 1.0
+        remaining = np.array([[math.cosh(m) - odd * d, -odd * e], [-odd * e, math.cosh(m) + odd * d]])
+        return State(log_alpha, math.exp(-scale) * remaining @ inverse, log_shape)
 
-    @abstractmethod
-    def gradient(self, variables: Vector) -> Vector:
-        """Its derivatives by the variables."""
+    def _median(self, state: State, change: float) -> float:
+        """log median slope at a changed shape; flat where the family has no closed way to it."""
+        assert state.log_shape is not None
+        shape = self.family.parameters[1].lower + math.exp(state.log_shape + change)
+        if not self.stretched:
+            return 0.0
+        return math.log(float(self.family.kernels.sample_slope(0.5, 1.0, shape)))
 
-    @abstractmethod
-    def parameters(self, variables: Vector) -> dict[str, float]:
-        """The parameters of the frozen distribution."""
+    def value(self, state: State, only: int | None = None) -> Vector:
+        """The log-likelihood of each group, of one fold or of all."""
+        shape, offset = self.shape(state), self._offset(state)
+        kernels, alpha = self.family.kernels, math.exp(state.log_alpha)
 
-    def start(self, shape: float | None) -> Vector:
-        """Variables that give the slopes their median and anisotropy, for a given shape parameter."""
-        variables = np.zeros(len(self.bounds))
-        if shape is not None:
-            variables[-1] = math.log(shape - self._family.parameters[1].lower)
-        return variables
+        def work(chunk: Chunk) -> Vector:
+            radius = self._radius(state, chunk.where)[0]
+            terms = log_density(lambda r: kernels.P22(r, 0.0, alpha, *shape), radius) + offset
+            return np.add.reduceat(terms, chunk.starts)
 
-    def _shape_bounds(self) -> list[tuple[float, float]]:
-        return [_SHAPE_RANGE for _ in self._family.parameters[1:]]
+        total = np.zeros(len(self.slopes.sizes))
+        for chunk, sums in self._each(work, only=only):
+            total[chunk.groups] += sums
+        return total
 
-    def _shape(self, variables: Vector) -> tuple[float, ...]:
-        return tuple(parameter.lower + math.exp(variables[-1]) for parameter in self._family.parameters[1:])
+    def sums(self, state: State, without: int | None = None) -> Sums:
+        """Log-likelihood and derivatives by the tangent coordinates at a state, without one fold if so
+        wished.
+        """
+        k, groups = self.size, len(self.slopes.sizes)
+        upper = np.triu_indices(k)
 
-    def _named_shape(self, variables: Vector) -> dict[str, float]:
-        names = (parameter.name for parameter in self._family.parameters[1:])
-        return dict(zip(names, self._shape(variables), strict=True))
+        def work(chunk: Chunk) -> tuple[Vector, Vector]:
+            radius, cosine, sine = self._radius(state, chunk.where)
+            terms, first, second = self._derivatives(state, radius, cosine, sine)
+            columns = np.stack((terms, *first, *second))
+            squares = columns[1 : k + 1] @ columns[1 : k + 1].T
+            return np.add.reduceat(columns, chunk.starts, axis=1), squares
 
-    def _difference(self, variables: Vector, index: int) -> float:
-        """The derivative by one variable, as a central difference."""
-        step = np.zeros(len(variables))
-        step[index] = _STEP
-        return (self.mean_log_density(variables + step) - self.mean_log_density(variables - step)) / (
-            2 * _STEP
-        )
+        table = np.zeros((groups, 1 + k + len(upper[0])))
+        outer = np.zeros((k, k))
+        for chunk, (sums, squares) in self._each(work, without=without):
+            table[chunk.groups] += sums.T
+            outer += squares
+        hessian = np.zeros((groups, k, k))
+        hessian[:, upper[0], upper[1]] = hessian[:, upper[1], upper[0]] = table[:, 1 + k :]
+        return Sums(table[:, 0], table[:, 1 : k + 1], hessian, outer)
+
+    def _each(
+        self, work: Callable[[Chunk], Any], without: int | None = None, only: int | None = None
+    ) -> Collection[tuple[Chunk, Any]]:
+        """The work on every chunk, in order whatever the threads do: the same bits for any number of them."""
+        wanted = [c for c in self.slopes.chunks if c.fold != without and (only is None or c.fold == only)]
+        if self.slopes.n < _MANY:
+            return [(chunk, work(chunk)) for chunk in wanted]
+        with ThreadPoolExecutor(min(os.cpu_count() or 1, 16)) as pool:
+            return list(zip(wanted, pool.map(work, wanted), strict=True))
+
+    def radius(self, state: State) -> tuple[Vector, Vector, Vector]:
+        """`_radius` of all slopes; for a family that is not stretched, radius thrice."""
+        return self._radius(state, slice(None))
+
+    def _radius(self, state: State, where: slice) -> tuple[Vector, Vector, Vector]:
+        """Lengths of the slopes in standard space, cosine and sine of twice their azimuth there."""
+        data = self.slopes
+        if not self.stretched:
+            radius = np.maximum(data.radius[where], 1e-300)
+            return radius, radius, radius
+        (a, b), (c, d) = state.inverse
+        xx, yy, xy = data.xx[where], data.yy[where], data.xy[where]
+        first = a * a * xx + (2 * a * b) * xy + b * b * yy
+        second = c * c * xx + (2 * c * d) * xy + d * d * yy
+        # Positive but for rounding: slopes.py leaves no slope at zero.
+        squared = np.maximum(first + second, 1e-30)
+        product = a * c * xx + (a * d + b * c) * xy + b * d * yy
+        return np.sqrt(squared), (first - second) / squared, 2 * product / squared
+
+    def _offset(self, state: State) -> float:
+        """What the determinants of the maps add to each log density."""
+        if not self.stretched:
+            return 0.0
+        return math.log(abs(np.linalg.det(state.inverse))) - self._log_stretch
+
+    def _derivatives(
+        self, state: State, radius: Vector, cosine: Vector, sine: Vector
+    ) -> tuple[Vector, list[Vector], list[Vector]]:
+        """log P22, its first derivatives, and the upper triangle of the second, at each slope.
+
+        F = log P22(r; exp(u), shape) is a function of log r - u, but for -2 u, where the family can be
+        stretched, and exp(-M) changes log r by -s - d cos 2 phi - e sin 2 phi + (d sin 2 phi - e cos 2 phi)^2
+        to second order.
+        """
+        kernels, h = self.family.kernels, _STEP
+
+        def at(u: float, change: float = 0.0) -> Vector:
+            shape = self.shape(state)
+            if state.log_shape is not None:
+                shape = (self.family.parameters[1].lower + math.exp(state.log_shape + change),)
+            alpha = math.exp(state.log_alpha + u)
+            return log_density(lambda r: kernels.P22(r, 0.0, alpha, *shape), radius)
+
+        middle, up, down = at(0.0), at(h), at(-h)
+        du, duu = (up - down) / (2 * h), (up - 2 * middle + down) / h**2
+        terms = middle + self._offset(state)
+        if state.log_shape is None:
+            shapes: list[Vector] = []
+        else:
+            more, less = at(0.0, h), at(0.0, -h)
+            dk, dkk = (more - less) / (2 * h), (more - 2 * middle + less) / h**2
+            both = at(h, h) + at(-h, -h)
+            shapes = [dk, dkk, (both - up - down - more - less + 2 * middle) / (2 * h**2)]
+        if not self.stretched:
+            first, second = [du, *shapes[:1]], [duu, *shapes[2:], *shapes[1:2]]
+            return terms, first, second
+        steepness = du + 2  # minus the derivative by log r
+        first = [du, steepness * cosine, steepness * sine, *shapes[:1]]
+        mixed = [shapes[2], shapes[2] * cosine, shapes[2] * sine] if shapes else []
+        second = [
+            *(duu, duu * cosine, duu * sine, *mixed[:1]),
+            *(duu * cosine**2 - 2 * steepness * sine**2, (duu + 2 * steepness) * cosine * sine, *mixed[1:2]),
+            *(duu * sine**2 - 2 * steepness * cosine**2, *mixed[2:]),
+            *shapes[1:2],
+        ]
+        return terms, first, second
 
 
-class Stretched(Model):
-    """Families that a linear map stretches: P22(p, q) = P22_standard(A^-1 (p, q)) / det A.
+def make_state(model: Model, shape: float | None) -> State:
+    """The state that gives the slopes their median, and whitened slopes no direction, for a given shape."""
+    family = model.family
+    log_shape = None if shape is None else math.log(shape - family.parameters[1].lower)
+    own = () if shape is None else (shape,)
+    if model.stretched:
+        median = float(family.kernels.sample_slope(0.5, 1.0, *own))
+        return State(0.0, median * np.eye(2), log_shape)
+    return State(_log_alpha(family, own, float(np.median(model.slopes.radius))), np.eye(2), log_shape)
 
-    On whitened slopes A is close to the unit matrix. It is symmetric and positive, and its logarithm
-    ((s + d, e), (e, s - d)) is unconstrained and, unlike an angle, smooth where the roughness is isotropic.
-    Variables: (log median, d, e[, log(shape - lower)]).
+
+def _log_alpha(family: Family, shape: tuple[float, ...], median: float) -> float:
+    """alpha from the median slope, which grows with it, by bisection; an end of the range if there is
+    none.
     """
-
-    @property
-    def bounds(self) -> list[tuple[float, float]]:
-        return [_MEDIAN_RANGE, _STRETCH_RANGE, _STRETCH_RANGE, *self._shape_bounds()]
-
-    def mean_log_density(self, variables: Vector) -> float:
-        mean = float(np.mean(self._log_density(variables, self._radius(variables))))
-        return mean - 2 * self._scale(variables) - math.log(abs(np.linalg.det(self._slopes.stretch)))
-
-    def gradient(self, variables: Vector) -> Vector:
-        radius = self._radius(variables)
-        forward = self._log_density(variables, radius * math.exp(_STEP))
-        steepness = (forward - self._log_density(variables, radius * math.exp(-_STEP))) / (2 * _STEP)
-        gradient = [-float(np.mean(steepness)) - 2]  # the radius is proportional to exp(-s)
-        gradient += [float(np.mean(steepness * change)) for change in self._log_radius_changes(variables)]
-        gradient += [self._difference(variables, 3) for _ in self._family.parameters[1:]]
-        return np.array(gradient)
-
-    def parameters(self, variables: Vector) -> dict[str, float]:
-        even, odd, _ = _hyperbolic(variables)
-        _, d, e = variables[:3]
-        remaining = np.array([[even + odd * d, odd * e], [odd * e, even - odd * d]])
-        # The density depends on A A^T alone: exp(2s) W exp(2 log A) W, with the whitening W.
-        squares, axes = np.linalg.eigh(self._slopes.stretch @ remaining @ self._slopes.stretch)
-        alphas = math.exp(self._scale(variables)) * np.sqrt(squares)
-        # Of the two ways to name the axes, the one that leaves alpha_x nearest to the x axis.
-        x = int(abs(axes[0, 1]) > abs(axes[0, 0]))
-        rotation = math.atan(axes[1, x] / axes[0, x])
-        named = {"alpha_x": float(alphas[x]), "alpha_y": float(alphas[1 - x]), "rotation": rotation}
-        return named | self._named_shape(variables)
-
-    def _scale(self, variables: Vector) -> float:
-        """s: the logarithm of the wanted median over that of the standard density."""
-        median = self._family.kernels.sample_slope(0.5, 1.0, *self._shape(variables))
-        return float(variables[0]) - math.log(float(median))
-
-    def _log_density(self, variables: Vector, radius: Vector) -> Vector:
-        kernels, shape = self._family.kernels, self._shape(variables)
-        return _log(lambda r: kernels.P22(r, 0.0, 1.0, *shape), radius)
-
-    def _radius(self, variables: Vector) -> Vector:
-        """Lengths of A^-1 (p, q), from A^-2 = exp(-2s) (cosh(2m) I - sinh(2m)/m ((d, e), (e, -d)))."""
-        radius = math.exp(-self._scale(variables)) * np.sqrt(self._unscaled(variables))
-        return np.maximum(radius, 1e-12)  # positive but for rounding: slopes.py leaves no slope at zero
-
-    def _unscaled(self, variables: Vector) -> Vector:
-        even, odd, _ = _hyperbolic(variables)
-        _, d, e = variables[:3]
-        data = self._slopes
-        unscaled: Vector = even * data.sum_ - odd * (d * data.difference + e * data.product)
-        return np.maximum(unscaled, 1e-30)
-
-    def _log_radius_changes(self, variables: Vector) -> tuple[Vector, Vector]:
-        """Derivatives of log(radius) by d and e."""
-        _, odd, odd_change = _hyperbolic(variables)
-        _, d, e = variables[:3]
-        data, twice = self._slopes, 2 * self._unscaled(variables)
-        common = 2 * odd * data.sum_ - odd_change * (d * data.difference + e * data.product)
-        return (d * common - odd * data.difference) / twice, (e * common - odd * data.product) / twice
+    low, high = math.log(median) - 20.0, math.log(median) + 20.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = float(family.kernels.sample_slope(0.5, math.exp(middle), *shape)) < median
+        low, high = (middle, high) if below else (low, middle)
+    return (low + high) / 2
 
 
-class Isotropic(Model):
-    """Families in which alpha is no stretch (GTR). Variables: (log median[, log(shape - lower)])."""
-
-    @property
-    def bounds(self) -> list[tuple[float, float]]:
-        return [_MEDIAN_RANGE, *self._shape_bounds()]
-
-    def mean_log_density(self, variables: Vector) -> float:
-        alpha, shape, kernels = self._alpha(variables), self._shape(variables), self._family.kernels
-        return float(np.mean(_log(lambda r: kernels.P22(r, 0.0, alpha, *shape), self._slopes.radius)))
-
-    def gradient(self, variables: Vector) -> Vector:
-        return np.array([self._difference(variables, index) for index in range(len(variables))])
-
-    def parameters(self, variables: Vector) -> dict[str, float]:
-        return {"alpha": self._alpha(variables)} | self._named_shape(variables)
-
-    def _alpha(self, variables: Vector) -> float:
-        """alpha from the median slope, which grows with it."""
-        shape = self._shape(variables)
-        median = float(variables[0]) + math.log(float(np.median(self._slopes.radius)))
-
-        def excess(log_alpha: float) -> float:
-            slope = float(self._family.kernels.sample_slope(0.5, math.exp(log_alpha), *shape))
-            return math.log(min(max(slope, 1e-300), 1e300)) - median
-
-        low = high = median
-        while excess(low) > 0 and low > _LOG_ALPHA_RANGE[0]:
-            low -= 1.0
-        while excess(high) < 0 and high < _LOG_ALPHA_RANGE[1]:
-            high += 1.0
-        if not excess(low) <= 0 <= excess(high):  # GTR for gamma < 1: no alpha has so small a median
-            return math.exp(low)
-        return math.exp(brentq(excess, low, high, xtol=1e-14))
-
-
-def _hyperbolic(variables: Vector) -> tuple[float, float, float]:
-    """cosh(2m), sinh(2m)/m and, with its derivative by m, (2 cosh(2m) - sinh(2m)/m)/m^2, m = hypot(d, e)."""
-    m = math.hypot(variables[1], variables[2])
-    even = math.cosh(2 * m)
-    odd = math.sinh(2 * m) / m if m > 0 else 2.0
-    # The difference cancels for small m, where its series begins 8/3 + 16/15 m^2.
-    return even, odd, (2 * even - odd) / m**2 if m > 0.01 else 8 / 3 + 16 / 15 * m**2
-
-
-def _log(density: Callable[[Vector], Vector], radius: Vector) -> Vector:
+def log_density(density: Callable[[Vector], Vector], radius: Vector) -> Vector:
     """log density(radius), also where the density underflows (outliers under a family with light tails).
 
     There, the logarithm is continued by the parabola through three points short of the underflow. That is

@@ -1,19 +1,21 @@
-"""Slopes as a likelihood needs them: checked, centred, thinned out, and with a finite resolution."""
+"""Slopes as a likelihood needs them: checked, centred, whitened, in groups, and with a finite resolution."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet._fit import blocks
+
 __all__ = ["MAX_SLOPES", "Slopes", "prepare"]
 
-#: Slopes used at most, unless the caller asks for more. Neighbouring slopes of a measured map depend on each
-#: other, so a larger share of them takes time without adding as much information as their number suggests.
-MAX_SLOPES = 60_000
+#: Slopes used at most, unless the caller asks for more; bounds memory (40 bytes each) and time.
+MAX_SLOPES = 4_000_000
 
 _SEED = 0
 _FEWEST = 20
@@ -21,71 +23,157 @@ _FEWEST = 20
 _STEEPEST = 1e6
 # Slopes closer than this part of their median size are equal but for rounding.
 _ROUNDING = 1e-9
+_PART = 50_000  # slopes from which quantities are estimated that need no more than a percent
+_CHUNK = 32_768  # slopes at a time: their arrays stay in the cache
 
 Vector = NDArray[np.float64]
 
 
+class Chunk(NamedTuple):
+    """Slopes that are worked on at a time, all of one fold: where they are, and which groups begin where in
+    them.
+    """
+
+    fold: int
+    where: slice
+    groups: NDArray[np.intp]
+    starts: NDArray[np.intp]
+
+
 @dataclass(frozen=True)
 class Slopes:
-    """Centred slopes, and their whitened form.
+    """Centred slopes in groups (cells of a map), and their whitened form.
 
     Whitened slopes are ``z = stretch^-1 slope``, isotropic with median length 1 but for what is left to fit.
-    They are kept as three quadratic forms, in which the squared radius is linear whatever stretch remains:
-    ``A (z_x^2 + z_y^2) + B (z_x^2 - z_y^2) + C 2 z_x z_y``.
+    They are kept as ``z_x^2, z_y^2, z_x z_y``, in which the squared length after a further linear map is
+    linear.
     """
 
     radius: Vector  # of the slopes as measured
-    sum_: Vector
-    difference: Vector
-    product: Vector
+    xx: Vector
+    yy: Vector
+    xy: Vector
+    sizes: NDArray[np.intp]  # slopes in each group
+    folds: NDArray[np.intp]  # fold of each group
+    chunks: tuple[Chunk, ...]
+    on_map: bool
     stretch: NDArray[np.float64]
     mean: tuple[float, float]
+    mean_errors: tuple[float, float]
     notes: tuple[str, ...]
 
     @property
     def n(self) -> int:
-        return self.sum_.size
+        return self.xx.size
 
     def part(self, size: int) -> Slopes:
-        """Every k-th slope, so that about `size` remain, for a cheap first search."""
+        """Every k-th slope as one group, so that about `size` remain, for a cheap first search."""
         every = slice(None, None, max(1, self.n // size))
+        xx, zero = self.xx[every], np.zeros(1, dtype=np.intp)
         return replace(
             self,
             radius=self.radius[every],
-            sum_=self.sum_[every],
-            difference=self.difference[every],
-            product=self.product[every],
+            xx=xx,
+            yy=self.yy[every],
+            xy=self.xy[every],
+            sizes=np.array([xx.size]),
+            folds=zero,
+            chunks=tuple(_chunks(np.array([xx.size]), zero)),
+            on_map=False,
         )
 
 
-def prepare(slopes: ArrayLike, max_slopes: int | None) -> Slopes:
-    """Check, centre, thin out and whiten `slopes`; `ValueError` says in one sentence what is wrong."""
+def _chunks(sizes: NDArray[np.intp], folds: NDArray[np.intp]) -> Iterator[Chunk]:
+    """Groups that follow each other, sorted by fold, in pieces that fit into a cache; large groups are
+    cut.
+    """
+    order = np.argsort(folds, kind="stable")
+    order = order[sizes[order] > 0]
+    begin, groups, starts, filled = 0, list[int](), list[int](), 0
+    for k, group in enumerate(order.tolist()):
+        groups.append(group)
+        starts.append(filled)
+        filled += int(sizes[group])
+        last = k + 1 == len(order) or folds[order[k + 1]] != folds[group]
+        if not (last or filled + sizes[order[k + 1]] > _CHUNK):
+            continue
+        if len(groups) > 1 or filled <= _CHUNK:
+            where = slice(begin, begin + filled)
+            yield Chunk(int(folds[group]), where, np.array(groups), np.array(starts))
+        else:
+            for first in range(begin, begin + filled, _CHUNK):
+                where = slice(first, min(first + _CHUNK, begin + filled))
+                yield Chunk(int(folds[group]), where, np.array(groups), np.zeros(1, dtype=np.intp))
+        begin, groups, starts, filled = begin + filled, [], [], 0
+
+
+def prepare(slopes: ArrayLike, max_slopes: int | None, cells: NDArray[np.int16] | None = None) -> Slopes:
+    """Check, centre, group and whiten `slopes`; `ValueError` says in one sentence what is wrong."""
     array = _checked(slopes)
     notes: tuple[str, ...] = ()
     # The densities are symmetric, so the median estimates their mean; it settles where the sample mean does
-    # not (infinite variance, a density infinite at its centre).
+    # not (infinite variance), and where the likelihood is infinite at every slope (infinite central density).
     mean = np.median(array, axis=0)
     if max_slopes is not None and len(array) > max_slopes:
         notes = (f"fitted to {max_slopes} of {len(array)} slopes, drawn at random with seed {_SEED}",)
         chosen = np.random.default_rng(_SEED).choice(len(array), max_slopes, replace=False)
-        array = array[np.sort(chosen)]
+        chosen.sort()
+        array, cells = array[chosen], None if cells is None else cells[chosen]
     squares, central = _squares(*(array - mean).T)
     if central > 0.01:
         notes += (
             f"{central:.0%} of the slopes equal the mean slope, which favours densities infinite there",
         )
+    groups = (np.arange(len(array)) % blocks.GROUPS).astype(np.int16) if cells is None else cells
+    count = blocks.GROUPS if cells is None else blocks.CELLS**2
+    sizes, folds = np.bincount(groups, minlength=count), blocks.fold_of_group(count)
+    place = np.empty(count, dtype=np.int16)
+    place[np.argsort(folds, kind="stable")] = np.arange(count)
+    order = np.argsort(place[groups], kind="stable")
+    p2, q2, pq = (square[order] for square in squares)
     stretch = _stretch(squares)
-    p2, q2, pq = squares
     inverse = np.linalg.inv(stretch)
-    x2, y2, xy = (
+    xx, yy, xy = (
         (inverse[i, 0] * inverse[j, 0]) * p2
         + (inverse[i, 1] * inverse[j, 1]) * q2
         + (inverse[i, 0] * inverse[j, 1] + inverse[i, 1] * inverse[j, 0]) * pq
         for i, j in ((0, 0), (1, 1), (0, 1))
     )
     return Slopes(
-        np.sqrt(p2 + q2), x2 + y2, x2 - y2, 2 * xy, stretch, (float(mean[0]), float(mean[1])), notes
+        radius=np.sqrt(p2 + q2),
+        xx=xx,
+        yy=yy,
+        xy=xy,
+        sizes=sizes,
+        folds=folds,
+        chunks=tuple(_chunks(sizes, folds)),
+        on_map=cells is not None,
+        stretch=stretch,
+        mean=(float(mean[0]), float(mean[1])),
+        mean_errors=_median_errors(array, mean, groups, count, cells is not None),
+        notes=notes,
     )
+
+
+def _median_errors(
+    array: NDArray[np.float64], mean: Vector, groups: NDArray[Any], count: int, on_map: bool
+) -> tuple[float, float]:
+    """Standard errors of the medians: those of the share below, turned into slopes by the sample's quantiles.
+
+    R. S. Woodruff, Confidence intervals for medians and other position measures, JASA 47, 1952.
+    """
+    result = []
+    for column, middle in zip(array.T, mean, strict=True):
+        above = np.sign(column - middle)
+        if on_map:
+            sums = np.bincount(groups, weights=above, minlength=count).astype(np.float64)
+            variance = max(float(blocks.scatter(sums, True)[0, 0]), float(len(column)))
+        else:
+            variance = float(len(column))
+        share = min(math.sqrt(variance) / (2 * len(column)), 0.5)
+        low, high = np.quantile(column, [0.5 - share, 0.5 + share])
+        result.append(float(high - low) / 2)
+    return result[0], result[1]
 
 
 def _squares(p: Vector, q: Vector) -> tuple[tuple[Vector, Vector, Vector], float]:
@@ -124,6 +212,8 @@ def _stretch(squares: tuple[Vector, Vector, Vector]) -> NDArray[np.float64]:
     covariance would: for heavy tails it is infinite.) D. E. Tyler, A distribution-free M-estimator of
     multivariate scatter, Annals of Statistics 15, 1987.
     """
+    every = slice(None, None, max(1, squares[0].size // _PART))
+    squares = (squares[0][every], squares[1][every], squares[2][every])
     p2, q2, pq = squares
     # Equal size along x and y to begin with, so that the iteration starts near its end.
     widths = np.sqrt([np.median(p2), np.median(q2)])

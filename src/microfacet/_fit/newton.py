@@ -1,0 +1,115 @@
+"""The maximum of the likelihood: Newton's method with a trust region, from the best of several starts."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microfacet._family import Family
+from microfacet._fit.model import SHAPE_RANGE, Model, State, Sums, make_state
+from microfacet._fit.slopes import Slopes
+
+__all__ = ["Maximum", "fold_state", "maximise", "newton_step"]
+
+_SHAPE_STARTS = (0.1, 0.4, 1.0, 2.5, 6.0, 20.0)  # above the lower end of the parameter's interval
+_FIRST_SEARCH = 4000  # slopes for the search from several starts
+_SECOND_SEARCH = 50_000  # slopes for the search from its result
+_STEPS = 100
+# Squared length of the remaining step in standard errors of independent slopes.
+_TOLERANCE = 1e-10
+
+Vector = NDArray[np.float64]
+
+
+class Maximum(NamedTuple):
+    """Where the search ended: the state, the sums there, which coordinates are free (not at an end of their
+    range).
+    """
+
+    state: State
+    sums: Sums
+    free: NDArray[np.bool_]
+    converged: bool
+
+
+def maximise(family: Family, slopes: Slopes) -> tuple[Model, Maximum]:
+    """The maximum, by way of parts of the slopes, on which steps are cheap."""
+    part = Model(family, slopes.part(_FIRST_SEARCH))
+    shapes: list[float | None] = [
+        shape.lower + start for shape in family.parameters[1:] for start in _SHAPE_STARTS
+    ]
+    starts = [make_state(part, shape) for shape in shapes or [None]]
+    starts.sort(key=lambda start: float(np.sum(part.value(start))), reverse=True)
+    found = max((_search(part, start) for start in starts[:2]), key=lambda end: float(end.sums.value[0]))
+    state = found.state
+    if slopes.n > 4 * _SECOND_SEARCH:
+        state = _search(Model(family, slopes.part(_SECOND_SEARCH)), state).state
+    model = Model(family, slopes)
+    return model, _search(model, state)
+
+
+def fold_state(model: Model, found: Maximum, fold: int) -> State:
+    """The maximum without one fold, from that with it: one step of Newton's method, more where it is long."""
+    kept = model.slopes.folds != fold
+    gradient, hessian = found.sums.gradient[kept].sum(axis=0), found.sums.hessian[kept].sum(axis=0)
+    state = found.state
+    for _ in range(5):
+        free = _free(model, state, gradient)
+        step = newton_step(gradient, hessian, free)
+        state = model.moved(state, _shortened(step))
+        if float(np.abs(step).max()) < 0.03:  # what is left is its square
+            break
+        sums = model.sums(state, without=fold)
+        gradient, hessian = sums.gradient.sum(axis=0), sums.hessian.sum(axis=0)
+    return state
+
+
+def newton_step(gradient: Vector, hessian: Vector, free: NDArray[np.bool_]) -> Vector:
+    """Up the hill in the free coordinates; where the likelihood is convex, as if it were as concave."""
+    step = np.zeros_like(gradient)
+    if np.any(free) and np.all(np.isfinite(hessian)):
+        values, axes = np.linalg.eigh(-hessian[np.ix_(free, free)])
+        curvature = np.maximum(np.abs(values), 1e-9 * np.abs(values).max() + 1e-300)
+        step[free] = axes @ ((axes.T @ gradient[free]) / curvature)
+    return step
+
+
+def _search(model: Model, state: State) -> Maximum:
+    sums = model.sums(state)
+    radius = 1.0  # of the region in which the quadratic model is trusted, in logarithmic units
+    for _ in range(_STEPS):
+        gradient, hessian = sums.gradient.sum(axis=0), sums.hessian.sum(axis=0)
+        free = _free(model, state, gradient)
+        step = newton_step(gradient, hessian, free)
+        left = float(gradient @ step)
+        if left < _TOLERANCE:
+            return Maximum(state, sums, free, True)
+        step = _shortened(step, radius)
+        trial = model.moved(state, step)
+        new = model.sums(trial)
+        gain = float(np.sum(new.value - sums.value))
+        if not math.isfinite(gain) or gain < -1e-12 * abs(float(np.sum(sums.value))):
+            radius = float(np.abs(step).max()) / 4
+            if radius < 1e-12:
+                return Maximum(state, sums, free, left < 1e-4)
+            continue
+        state, sums, radius = trial, new, min(2 * radius, 1.0)
+    return Maximum(state, sums, _free(model, state, sums.gradient.sum(axis=0)), False)
+
+
+def _free(model: Model, state: State, gradient: Vector) -> NDArray[np.bool_]:
+    """Which coordinates may move: the shape not beyond an end of its range."""
+    free = np.ones(model.size, dtype=np.bool_)
+    if state.log_shape is not None:
+        low, high = SHAPE_RANGE
+        at_low, at_high = state.log_shape <= low, state.log_shape >= high
+        free[-1] = not ((at_low and gradient[-1] < 0) or (at_high and gradient[-1] > 0))
+    return free
+
+
+def _shortened(step: Vector, longest: float = 1.0) -> Vector:
+    size = float(np.abs(step).max())
+    return step if size <= longest else step * (longest / size)

@@ -1,0 +1,111 @@
+"""What a fit returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["FitResult", "Goodness"]
+
+
+@dataclass(frozen=True)
+class Goodness:
+    """How well the fitted family describes the slopes, in standard space where the family is isotropic.
+
+    Attributes
+    ----------
+    probabilities : tuple of float
+        At which the quantiles are given.
+    observed, expected : tuple of float
+        Quantiles of the radius ``|A^-1 (slope - mean)|`` of the sample and of the family (for gtr: of the
+        slope's length). Equal where the family is right; the last ones show the tail.
+    anderson_darling : float
+        Anderson and Darling's A^2 of the radial distribution, for `FitResult.n_effective` independent slopes:
+        A^2 of the sample times n_effective/n. About 1 where the family is right. The parameters were fitted
+        to the same slopes, so its tabulated critical values (2.5 at 5 %) are too large: a larger value does
+        reject the family.
+    sectors : tuple of float
+        The same statistic for eight sectors of azimuth (22.5 degrees wide, opposite ones together, from the
+        axis of alpha_x counter-clockwise; in standard space), each for its share of the slopes: where the
+        radial density depends on direction, which no family of one radial density can follow.
+    """
+
+    probabilities: tuple[float, ...]
+    observed: tuple[float, ...]
+    expected: tuple[float, ...]
+    anderson_darling: float
+    sectors: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """A family fitted to slopes by maximum likelihood.
+
+    Attributes
+    ----------
+    family : str
+        Name of the family.
+    params : dict of str to float
+        ``alpha_x``, ``alpha_y``, ``rotation`` (radians, counter-clockwise, in [-pi/4, pi/4]) and ``gamma`` or
+        ``a`` if the family has one; for ``gtr`` ``alpha`` and ``gamma``.
+    standard_errors : dict of str to float
+        Of each parameter: the square roots of the diagonal of H^-1 J H^-1, with the observed information H
+        and the covariance J of the score, from a block bootstrap over the map (slopes without positions:
+        taken for independent). They hold also for a family that is not the true one. nan for a parameter at
+        the end of its range.
+    log_likelihood : float
+        Natural logarithm of the likelihood, summed over the `n` slopes.
+    log_likelihood_per_sample : float
+        The same divided by `n`.
+    held_out : float
+        Log-likelihood per slope of slopes that the fit has not seen: five-fold cross-validation; on a map,
+        whole blocks are left out.
+    held_out_error : float
+        Standard error of the difference between the first family's `held_out` and this one's; 0 for the
+        first.
+    tied : bool
+        Whether this family's `held_out` is within two such standard errors of the best.
+    n : int
+        Number of slopes that were used.
+    n_effective : float
+        How many independent slopes would tell as much: n times the trace of the information's inverse with
+        the scores' covariance as if they were independent, over that with the covariance from the block
+        bootstrap. One number for all families, that of the family with the largest `held_out`.
+    aic, bic : float
+        Akaike's and Schwarz's criterion of `n_effective` independent slopes: ``2 k - 2 n_effective
+        log_likelihood_per_sample`` and ``k log(n_effective) - ...``, k = ``len(params)``. The mean slope,
+        which all families share, is not counted. For slopes without positions the usual ones.
+    ndf : distribution
+        The fitted distribution, for example a `StudentT`.
+    mean_slope, mean_slope_errors : (float, float)
+        Mean slope of the sample (estimated by the median), subtracted before the fit, and its standard
+        errors.
+    lag : int or None
+        Lag in pixels at which the slopes of a surface were taken. alpha and shape depend on it.
+    converged : bool
+        Whether the search ended in a maximum.
+    goodness : Goodness
+        Quantiles and Anderson-Darling statistics.
+    notes : tuple of str
+        What a reader of the numbers should know: slopes left out, a parameter at the edge of its range.
+    """
+
+    family: str
+    params: dict[str, float]
+    standard_errors: dict[str, float]
+    log_likelihood: float
+    log_likelihood_per_sample: float
+    held_out: float
+    held_out_error: float
+    tied: bool
+    n: int
+    n_effective: float
+    aic: float
+    bic: float
+    ndf: Any
+    mean_slope: tuple[float, float]
+    mean_slope_errors: tuple[float, float]
+    lag: int | None
+    converged: bool
+    goodness: Goodness
+    notes: tuple[str, ...] = ()
