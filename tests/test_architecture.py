@@ -143,6 +143,8 @@ def public_functions() -> dict[str, Callable[[], Any]]:
         "roughness": lambda: mf.roughness(mf.sample_terrain()),
         "synthesize": lambda: mf.synthesize(mf.Beckmann(alpha=0.3), (32, 32)),
         "fit": lambda: mf.fit(slopes, families=["beckmann"]),
+        "fit_scales": lambda: mf.fit_scales(mf.sample_terrain(), [4], "beckmann"),
+        "fit_table": lambda: mf.fit_table(mean_square_slopes=0.03),
     }
     for family in mf.families():
         values = {

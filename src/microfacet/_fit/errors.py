@@ -61,9 +61,7 @@ def uncertainty(model: Model, found: Maximum) -> Uncertainty:
         # Fewer slopes than there are cells, or luck: dependence of neighbours never adds information.
         share, together = (1.0, alone) if share > 1 else (share, together)
         if blocks.neighbouring_tiles(sums) > 0.5:
-            notes = (
-                "slopes depend on each other over more than a tenth of the map: standard errors are too small",
-            )
+            notes = ("slopes depend on each other over more than a tenth of the map: errors are too small",)
     covariance = np.zeros((model.size, model.size))
     covariance[inner] = inverse @ together @ inverse
     jacobian = _jacobian(model, found.state)

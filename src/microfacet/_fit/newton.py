@@ -60,7 +60,7 @@ def fold_state(model: Model, found: Maximum, fold: int) -> State:
         free = _free(model, state, gradient)
         step = newton_step(gradient, hessian, free)
         state = model.moved(state, _shortened(step))
-        if float(np.abs(step).max()) < 0.03:  # what is left is its square
+        if float(np.abs(step).max()) < 0.003:  # what is left is its square
             break
         sums = model.sums(state, without=fold)
         gradient, hessian = sums.gradient.sum(axis=0), sums.hessian.sum(axis=0)

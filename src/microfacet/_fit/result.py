@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["FitResult", "Goodness"]
+__all__ = ["FitResult", "Goodness", "TableFit"]
 
 
 @dataclass(frozen=True)
@@ -109,3 +109,31 @@ class FitResult:
     converged: bool
     goodness: Goodness
     notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class TableFit:
+    """A family fitted to a table.
+
+    Attributes
+    ----------
+    family : str
+        Name of the family.
+    params : dict of str to float
+        ``alpha`` (``alpha_x`` and ``alpha_y`` for two mean square slopes) and the shape parameter. For a
+        histogram also ``mean``, the slope about which it is symmetric; for a table of D also ``scale``, its
+        factor.
+    standard_errors : dict of str to float
+        Of the same, from the curvature of the objective; empty for mean square slopes, which are met exactly.
+    objective : float
+        What is smallest for the best family. Histogram: minus the multinomial log-likelihood, per count.
+        Table of D: root mean square of log(table/fit). Mean square slopes: 0.
+    ndf : distribution
+        The fitted distribution.
+    """
+
+    family: str
+    params: dict[str, float]
+    standard_errors: dict[str, float]
+    objective: float
+    ndf: Any

@@ -1,0 +1,166 @@
+"""Roughness and shape against the lag at which slopes are taken."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from microfacet._fit.estimate import Progress, chosen_families, fit
+from microfacet._fit.result import FitResult
+from microfacet._surface import Surface
+
+__all__ = ["ScaleFit", "fit_scales"]
+
+_MAX_SLOPES = 200_000
+_FEWEST_BASELINES = 8  # that have to fit side by side into the map
+# alpha goes with this power of the lag for heights that do not depend on each other (-1), with some room: a
+# random walk has -1/2, a smooth surface 0.
+_NOISE_EXPONENT = -0.85
+
+
+@dataclass(frozen=True)
+class ScaleFit:
+    """Fits of one surface at several lags.
+
+    Attributes
+    ----------
+    lags : tuple of int
+        In pixels, ascending; slopes are differences over twice the lag.
+    lengths : tuple of float
+        The same in metres (of the two pixel sizes, the geometric mean).
+    results : tuple of list of FitResult
+        For each lag, what `fit` returns.
+    typical_slopes : tuple of float
+        For each lag the median length of the slope, in directions of equal roughness (under the first
+        family).
+    exponents : tuple of float
+        Between each lag and the next, the power of the lag with which the typical slope goes: 0 for a surface
+        that is smooth at these lags, -1 for heights that do not depend on each other.
+    noise_lags : tuple of int
+        Lags at which the roughness is that of noise: from the smallest, as long as the exponent stays below
+        -0.85.
+    notes : tuple of str
+        What the numbers say of the map.
+    """
+
+    lags: tuple[int, ...]
+    lengths: tuple[float, ...]
+    results: tuple[list[FitResult], ...]
+    typical_slopes: tuple[float, ...]
+    exponents: tuple[float, ...]
+    noise_lags: tuple[int, ...]
+    notes: tuple[str, ...]
+
+
+def fit_scales(
+    surface: Surface,
+    lags: Iterable[int] | None = None,
+    families: str | Iterable[str] | None = None,
+    max_slopes: int | None = _MAX_SLOPES,
+    progress: Progress | None = None,
+) -> ScaleFit:
+    """Fit a surface at several lags, and say where its roughness is that of noise.
+
+    Roughness has no value of its own: alpha and shape depend on the lag over which slopes are taken.
+    Measurement noise that differs from pixel to pixel shows itself by alpha halving when the lag doubles: the
+    difference of two heights that do not depend on each other is the same at every distance.
+
+    Parameters
+    ----------
+    surface : Surface
+        The map, prepared as it shall be fitted.
+    lags : iterable of int, optional
+        In pixels, at least 1; by default 1, 2, 4, ... as far as 8 baselines of 2 lags fit side by side into
+        the map.
+    families : str or iterable of str, optional
+        Names of families; all six by default.
+    max_slopes : int or None
+        As in `fit`, for each lag.
+    progress : callable, optional
+        Called with (what begins, steps done, steps in all).
+
+    Returns
+    -------
+    ScaleFit
+
+    Raises
+    ------
+    ValueError
+        If there is no lag or the map is too small for one; as in `fit`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import microfacet as mf
+    >>> heights = np.random.default_rng(1).normal(size=(128, 128))
+    >>> scales = mf.fit_scales(mf.Surface(heights, 10.0), families="beckmann")
+    >>> scales.lags, scales.noise_lags
+    ((1, 2, 4, 8), (1, 2, 4, 8))
+    """
+    if not isinstance(surface, Surface):
+        raise ValueError(f"surface must be a Surface, got {type(surface).__name__}")
+    chosen = tuple(sorted(set(_default_lags(surface) if lags is None else lags)))
+    if not chosen:
+        raise ValueError("lags must name at least one lag, got none")
+    names, tell = [family.name for family in chosen_families(families)], progress or (lambda *_: None)
+    results = []
+    for done, lag in enumerate(chosen):
+        tell(f"lag {lag}", done, len(chosen))
+        results.append(fit(surface, names, lag, max_slopes))
+    chosen = tuple(int(found[0].lag or 0) for found in results)
+    typical = tuple(_typical_slope(found[0]) for found in results)
+    exponents = tuple(
+        math.log(typical[k + 1] / typical[k]) / math.log(chosen[k + 1] / chosen[k])
+        for k in range(len(chosen) - 1)
+    )
+    noise = _noise_lags(chosen, exponents)
+    pixel = math.sqrt(math.prod(surface.pixel_size))
+    return ScaleFit(
+        chosen,
+        tuple(lag * pixel for lag in chosen),
+        tuple(results),
+        typical,
+        exponents,
+        noise,
+        _notes(chosen, noise),
+    )
+
+
+def _default_lags(surface: Surface) -> list[int]:
+    lags = [1]
+    while 2 * 2 * lags[-1] * _FEWEST_BASELINES <= min(surface.heights.shape):
+        lags.append(2 * lags[-1])
+    return lags
+
+
+def _typical_slope(result: FitResult) -> float:
+    """The median slope in standard space times the mean roughness, whatever the parameters are that
+    express it.
+    """
+    (family,) = chosen_families(result.family)
+    shape = [result.params[parameter.name] for parameter in family.parameters[1:]]
+    if "alpha" in result.params:
+        return float(family.kernels.sample_slope(0.5, result.params["alpha"], *shape))
+    roughness = math.sqrt(result.params["alpha_x"] * result.params["alpha_y"])
+    return roughness * float(family.kernels.sample_slope(0.5, 1.0, *shape))
+
+
+def _noise_lags(lags: tuple[int, ...], exponents: tuple[float, ...]) -> tuple[int, ...]:
+    count = 0
+    while count < len(exponents) and exponents[count] < _NOISE_EXPONENT:
+        count += 1
+    return lags[: count + 1] if count else ()
+
+
+def _notes(lags: tuple[int, ...], noise: tuple[int, ...]) -> tuple[str, ...]:
+    if not noise:
+        return ()
+    reach = "at every lag" if noise == lags else f"from lag {noise[0]} to {noise[-1]}"
+    advice = (
+        "" if noise == lags else f"; a surface shows itself at lags above {noise[-1]} or behind an S-filter"
+    )
+    return (
+        f"dominated by noise: alpha goes as 1/lag {reach}, as for heights that differ from pixel to pixel "
+        f"whatever their distance, so that these fits describe the noise{advice}",
+    )
