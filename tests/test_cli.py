@@ -255,30 +255,6 @@ def test_verify_exits_with_1_when_a_check_fails(
 # fit, families, report
 
 
-def test_fit_ranks_families(run: Run, tmp_path: Path) -> None:
-    heights = np.random.default_rng(8).normal(size=(40, 50)).cumsum(axis=1)
-    path = tmp_path / "map.npz"
-    np.savez(path, heights=heights, pixel_size=2.0)
-    chosen = ["--family", "ggx", "--family", "beckmann"]
-    result = run("fit", str(path), *chosen, "--lag", "3", "--json")
-    assert result.exit_code == 0, result.stderr
-    answer = json.loads(result.stdout)
-    expected = mf.fit(mf.read_surface(path).level(), families=["ggx", "beckmann"], lag=3)
-    assert [fit["family"] for fit in answer["fits"]] == [fit.family for fit in expected]
-    assert [fit["params"] for fit in answer["fits"]] == [fit.params for fit in expected]
-    assert answer["fits"][0]["lag"] == 3
-    table = run("fit", str(path), *chosen)
-    assert table.stdout.splitlines()[1].startswith("1\t")
-    assert "lag 1" in table.stderr
-
-
-def test_fit_takes_a_pixel_size_where_the_file_has_none(run: Run, tmp_path: Path) -> None:
-    path = tmp_path / "map.npy"
-    np.save(path, np.random.default_rng(8).normal(size=(30, 30)))
-    assert_one_sentence(run("fit", str(path)), "pixel")
-    assert run("fit", str(path), "--family", "ggx", "--pixel-size", "2").exit_code == 0
-
-
 def test_a_surface_is_prepared_in_the_order_of_the_options(run: Run, tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     path = tmp_path / "map.npz"
@@ -322,7 +298,7 @@ def test_slopes_are_fitted_as_they_are(run: Run, tmp_path: Path) -> None:
     np.save(tmp_path / "slopes.npy", slopes)
     given = ["fit", str(tmp_path / "slopes.npy"), "--slopes", "table", "--family", "beckmann"]
     answer = json.loads(run(*given, "--json").stdout)
-    assert answer["fits"][0]["params"] == mf.fit(slopes, "beckmann")[0].params
+    assert answer["ranking"][0]["params"] == mf.fit(slopes, "beckmann")[0].params
     assert answer["source"] == "slopes.npy"
     assert_one_sentence(run(*given, "--lag", "2"), "--lag is for height maps")
     assert_one_sentence(run("report", "--surface", "a.npy", "--slopes", "opengl"), "height map")

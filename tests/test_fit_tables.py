@@ -108,10 +108,8 @@ def test_a_table_of_d_gives_its_parameters_and_scale(name):
     (result,) = mf.fit_table(density=(theta, table), families=name)
     assert list(result.params.values()) == pytest.approx([alpha, *shape, 4.2], rel=1e-3)
     assert result.objective < 1e-4
-    logs = np.log(
-        table
-        / (result.params["scale"] * result.ndf.D(np.column_stack((np.sin(theta), 0 * theta, np.cos(theta)))))
-    )
+    directions = np.column_stack((np.sin(theta), 0 * theta, np.cos(theta)))
+    logs = np.log(table / (result.params["scale"] * result.ndf.D(directions)))
     assert np.sqrt(np.mean(logs**2)) == pytest.approx(result.objective, rel=0.1, abs=1e-12)
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import click
 
 import microfacet as mf
+from microfacet._console.fit_command import fit_files, fit_options
 from microfacet._console.program import (
     Program,
     families_option,
@@ -241,31 +242,30 @@ def sample(
 
 
 @main.command()
-@click.argument("file", type=click.Path())
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @surface_options
 @families_option
+@fit_options
 @json_option
-def fit(file: str, reading: dict[str, Any], families: tuple[str, ...], as_json: bool) -> None:
-    """Fit the families to the slopes of a measured surface and rank them.
+@click.pass_context
+def fit(ctx: click.Context, /, **arguments: Any) -> None:
+    """Fit the families to the slopes of measured surfaces and rank them.
 
-    FILE is a height map: .npz, .npy, .x3p, and what SurfaceTopography reads where it is installed.
+    FILE is a height map: .npz, .npy, .x3p, a grid of numbers, an image, and what instruments write where
+    microfacet[surface] is installed; or slopes. Several files give one table; where dask is installed they are
+    fitted at the same time.
 
     \b
     Examples:
       microfacet fit scan.x3p
       microfacet fit scan.di --lag 2 --family student_t --family ggx --json
+      microfacet fit scan.x3p --l-filter 8e-4 --report scan.html
+      microfacet fit *.x3p --dask tcp://10.0.0.5:8786 --json
+      microfacet fit slopes.parquet --slopes
     """
-    from microfacet._console import records, surfaces, tables
+    from microfacet._report.fit import write
 
-    surface = surfaces.load(file, **reading)
-    results = mf.fit(surface, families=families or None)
-    if as_json:
-        click.echo(json.dumps(records.fits(surface, results), allow_nan=False))
-    else:
-        click.echo(f"{surface.source}: {results[0].n} slopes at lag {results[0].lag}", err=True)
-        for note in dict.fromkeys((*surface.steps, *(note for result in results for note in result.notes))):
-            click.echo(f"  {note}", err=True)
-        tables.fits(tables.console(), results)
+    ctx.exit(fit_files(write, **arguments))
 
 
 @main.command()

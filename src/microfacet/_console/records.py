@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
-__all__ = ["families", "finite", "fits"]
+__all__ = ["families", "finite", "fit"]
 
-_FIT = ("family", "params", "log_likelihood", "n", "aic", "bic", "mean_slope", "lag", "converged", "notes")
+_FIT = (
+    "family", "params", "standard_errors", "log_likelihood", "log_likelihood_per_sample", "held_out",
+    "held_out_error", "tied", "aic", "bic", "converged",
+)  # fmt: skip
 
 
 def families(entries: Iterable[Any]) -> list[dict[str, Any]]:
@@ -26,10 +29,46 @@ def families(entries: Iterable[Any]) -> list[dict[str, Any]]:
     ]
 
 
-def fits(surface: Any, results: Sequence[Any]) -> dict[str, Any]:
-    """The surface, what was done to it, and the fitted families, best first."""
-    rows = [{name: getattr(result, name) for name in _FIT} for result in results]
-    return {"source": surface.source, "steps": list(surface.steps), "fits": [finite(row) for row in rows]}
+def fit(fitted: Any) -> dict[str, Any]:
+    """One file: what was done to it, the ranked families, and what follows from them."""
+    first = fitted.results[0]
+    record = {
+        "source": fitted.source,
+        "steps": list(fitted.steps),
+        "lag": first.lag,
+        "lag_length": first.lag * fitted.pixel if first.lag and fitted.pixel else None,
+        "n": first.n,
+        "n_effective": first.n_effective,
+        "mean_slope": first.mean_slope,
+        "mean_slope_errors": first.mean_slope_errors,
+        "ranking": [_ranked(result) for result in fitted.results],
+        "prediction": [asdict(prediction) for prediction in fitted.predictions],
+        "roughness": fitted.roughness._asdict() if fitted.roughness else None,
+        "scales": _scales(fitted.scales) if fitted.scales else None,
+        "notes": fitted.notes,
+    }
+    return dict(finite(record))
+
+
+def _ranked(result: Any) -> dict[str, Any]:
+    record = {name: getattr(result, name) for name in _FIT}
+    return record | {"goodness": asdict(result.goodness), "notes": list(result.notes)}
+
+
+def _scales(scales: Any) -> dict[str, Any]:
+    """Against the lag, for every family; the details of each fit are those of a fit at that lag."""
+    families = sorted(result.family for result in scales.results[0])
+    by_lag = [{result.family: result for result in results} for results in scales.results]
+    return {
+        "lags": scales.lags,
+        "lengths": scales.lengths,
+        "best": [results[0].family for results in scales.results],
+        "typical_slopes": scales.typical_slopes,
+        "exponents": scales.exponents,
+        "noise_lags": scales.noise_lags,
+        "params": {name: [fits[name].params for fits in by_lag] for name in families},
+        "standard_errors": {name: [fits[name].standard_errors for fits in by_lag] for name in families},
+    }
 
 
 def finite(value: Any) -> Any:

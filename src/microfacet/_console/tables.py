@@ -14,7 +14,7 @@ from rich.table import Table
 from microfacet._checks import CheckItem, CheckResult
 from microfacet._console.evaluate import Evaluation
 
-__all__ = ["checks", "console", "evaluation", "families", "fits", "summary"]
+__all__ = ["checks", "console", "evaluation", "families", "show", "summary"]
 
 _INPUTS = {"P22": ("p", "q"), "P2": ("p",), "slope_cdf": ("p",), "survival": ("r",), "sample_slope": ("xi",)}
 _INPUTS["sample_u"] = ("xi",)
@@ -31,7 +31,7 @@ def evaluation(out: Console, result: Evaluation) -> None:
     rows = [
         [*map(str, point), str(value)] for point, value in zip(result.points, result.results, strict=True)
     ]
-    _print(out, [*names, result.quantity], rows, left=0)
+    show(out, [*names, result.quantity], rows, left=0)
 
 
 def families(out: Console, entries: Iterable[Any]) -> None:
@@ -46,24 +46,7 @@ def families(out: Console, entries: Iterable[Any]) -> None:
         ]
         for family in entries
     ]
-    _print(out, ["family", "title", "parameters", "anisotropic", "sources"], rows, left=5)
-
-
-def fits(out: Console, results: Sequence[Any]) -> None:
-    """Fitted families, best first, with the likelihood per slope relative to the best."""
-    best = results[0]
-    rows = [
-        [
-            str(rank),
-            fit.family,
-            ", ".join(f"{name} {value:.4g}" for name, value in fit.params.items()),
-            f"{(fit.log_likelihood - best.log_likelihood) / fit.n:.5f}",
-            f"{fit.aic - best.aic:.1f}",
-            f"{fit.bic - best.bic:.1f}",
-        ]
-        for rank, fit in enumerate(results, start=1)
-    ]
-    _print(out, ["rank", "family", "parameters", "nats/slope", "dAIC", "dBIC"], rows, left=3)
+    show(out, ["family", "title", "parameters", "anisotropic", "sources"], rows, left=5)
 
 
 def checks(out: Console, items: Sequence[CheckItem], results: Sequence[CheckResult]) -> None:
@@ -118,7 +101,7 @@ def _severity(result: CheckResult) -> float:
     return math.inf if math.isnan(ratio) else ratio
 
 
-def _print(out: Console, headings: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> None:
+def show(out: Console, headings: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> None:
     """A table on a terminal; elsewhere tab-separated lines, which tools read. `left` columns are text."""
     if not out.is_terminal:
         for line in (headings, *rows):

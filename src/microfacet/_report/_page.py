@@ -17,13 +17,32 @@ from microfacet._report import _formulas, _mathml
 from microfacet._report._content import Content
 from microfacet._report._sources import SOURCES
 
-__all__ = ["number", "render"]
+__all__ = ["measured", "number", "render", "set_page"]
 
-_SYMBOLS = {"alpha": "α", "gamma": "γ", "alpha_x": "α<sub>x</sub>", "alpha_y": "α<sub>y</sub>"}
+_SYMBOLS = {
+    "alpha": "α",
+    "gamma": "γ",
+    "alpha_x": "α<sub>x</sub>",
+    "alpha_y": "α<sub>y</sub>",
+    "rotation": "φ",
+}
 
 
 def render(content: Content, seconds: float) -> str:
-    """The complete page."""
+    """The complete page of the families."""
+    return set_page(
+        "report.html.j2",
+        content=content,
+        common=_formulas.load().common,
+        sources=SOURCES,
+        python=platform.python_version(),
+        numpy=np.__version__,
+        seconds=seconds,
+    )
+
+
+def set_page(template: str, **content: Any) -> str:
+    """A page from a template of this package, with what all of them may use."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("microfacet._report"),
         autoescape=True,
@@ -36,22 +55,23 @@ def render(content: Content, seconds: float) -> str:
         "display": lambda latex: Markup("".join(_mathml.display_pieces(latex))),
         "inline": lambda latex: Markup(_mathml.inline(latex)),
         "number": number,
+        "measured": measured,
         "symbol": lambda name: Markup(f"<i>{_SYMBOLS.get(name, name)}</i>"),
         "interval": _interval,
         "cite": _cite,
         "svg": Markup,
     }
     environment.filters |= filters
-    return environment.get_template("report.html.j2").render(
-        content=content,
-        common=_formulas.load().common,
-        sources=SOURCES,
-        version=microfacet.__version__,
-        python=platform.python_version(),
-        numpy=np.__version__,
-        now=datetime.datetime.now().astimezone(),
-        seconds=seconds,
-    )
+    now = datetime.datetime.now().astimezone()
+    return environment.get_template(template).render(version=microfacet.__version__, now=now, **content)
+
+
+def measured(value: float, error: float) -> Markup:
+    """A number with its standard error, to two digits of the error."""
+    if not (math.isfinite(error) and error > 0):
+        return number(value, 4)
+    digits = min(max(1 - math.floor(math.log10(error)), 0), 12)
+    return Markup(f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−"))
 
 
 def number(value: float | None, digits: int = 6) -> Markup:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,9 +15,9 @@ from matplotlib.figure import Figure
 import microfacet as mf
 from microfacet import plot
 from microfacet._report._figures import FigureBlock, panel
-from microfacet._report._svg import inline_svg
+from microfacet._report._svg import INK, inline_svg
 
-__all__ = ["FitRow", "MeasuredSurface", "measured_surface"]
+__all__ = ["FitRow", "MeasuredSurface", "length", "measured_surface", "relief_map"]
 
 MAX_SLOPES = 30_000  # enough to rank the families; more would take most of the report's time
 # As in an atlas, from valley to summit; the lightness only rises, so that it reads without colour.
@@ -77,12 +78,13 @@ def measured_surface(surface: Any, names: tuple[str, ...]) -> MeasuredSurface:
         ),
         notes=_notes(fits, titles),
         n=best.n,
-        figures=(_map(surface), *_overlays(slopes - np.asarray(best.mean_slope), fits, titles)),
+        figures=(relief_map(surface), *_overlays(slopes - np.asarray(best.mean_slope), fits, titles)),
         rows=rows,
     )
 
 
-def _map(surface: Any) -> FigureBlock:
+def relief_map(surface: Any) -> FigureBlock:
+    """The heights as shaded relief with a scale bar."""
     heights, mask = surface.heights, surface.mask
     dx, dy = surface.pixel_size
     ny, nx = heights.shape
@@ -104,19 +106,32 @@ def _map(surface: Any) -> FigureBlock:
     )
     image[..., 3] = np.isfinite(filled)
     width, height = np.array([nx * dx, ny * dy]) * 7.0 / max(nx * dx, ny * dy)
-    figure = Figure(figsize=(width + 0.9, height + 0.8))
+    figure = Figure(figsize=(width + 0.9, height + 1.1))
     ax = figure.add_axes(
-        (0.75 / (width + 0.9), 0.65 / (height + 0.8), width / (width + 0.9), height / (height + 0.8))
+        (0.75 / (width + 0.9), 0.65 / (height + 1.1), width / (width + 0.9), height / (height + 1.1))
     )
     ax.imshow(image, extent=(0, nx * dx / unit, 0, ny * dy / unit), origin="lower", interpolation="nearest")
     ax.grid(visible=False)
     ax.set(xlabel=f"{name}", ylabel=f"{name}")
-    steps = f"{nx}\u2009×\u2009{ny} heights, {_length(dx)} × {_length(dy)} apart"
+    _scale_bar(ax, nx * dx, unit)
+    steps = f"{nx}\u2009×\u2009{ny} heights, {length(dx)} × {length(dy)} apart"
     return FigureBlock(
         "surface-map",
         (inline_svg(figure, "surface-m", "Shaded relief of the prepared heights"),),
         f"The prepared heights as shaded relief, lit from the upper left ({steps}); light is high.",
     )
+
+
+def _scale_bar(ax: Axes, width: float, unit: float) -> None:
+    """A bar of a round length, at most a quarter of the width, above the right end of the map."""
+    power = 10.0 ** math.floor(math.log10(width / 4))
+    bar = max(step * power for step in (1, 2, 5) if step * power <= width / 4)
+    frame = ax.get_xaxis_transform()  # x in units of the map, y in heights of it
+    ends = np.array([width - bar, width]) / unit
+    ax.plot(
+        ends, [1.025, 1.025], transform=frame, color=INK, linewidth=3, solid_capstyle="butt", clip_on=False
+    )
+    ax.text(ends[0], 1.025, f"{length(bar)} ", transform=frame, ha="right", va="center")
 
 
 def _overlays(slopes: Any, fits: Any, titles: dict[str, str]) -> list[FigureBlock]:
@@ -164,7 +179,8 @@ def _unit(metres: float) -> tuple[float, str]:
     return next(((size, name) for size, name in _LENGTHS if metres >= size), _LENGTHS[-1])
 
 
-def _length(metres: float) -> str:
+def length(metres: float) -> str:
+    """A length in the unit in which it is easiest to read."""
     size, name = _unit(metres)
     return f"{metres / size:.4g}\u202f{name}"
 

@@ -1,0 +1,151 @@
+"""Files to fit: one by one in this process, or many on the workers of dask."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import microfacet as mf
+from microfacet._console import surfaces
+from microfacet._fit.prediction import ANGLES, Prediction, predict
+
+__all__ = ["Failure", "Fitted", "Job", "attempt", "run"]
+
+_HINT = 'several files at a time: pip install "microfacet[dask]"'
+
+Tell = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One file and what to do with it."""
+
+    file: str
+    reading: dict[str, Any] = field(default_factory=dict)
+    families: tuple[str, ...] = ()
+    kind: str = "heights"  # or "slopes", or the convention of a normal map
+    scales: bool = True
+    max_slopes: int | None = None
+    angles: tuple[float, ...] = ANGLES
+
+    def run(self, tell: Tell = lambda *_: None) -> Fitted:
+        """Read, prepare, fit."""
+        chosen = self.families or None
+        options = {} if self.max_slopes is None else {"max_slopes": self.max_slopes}
+        if self.kind != "heights":
+            sample = (
+                mf.read_slopes(self.file)
+                if self.kind == "slopes"
+                else mf.read_normal_map(self.file, self.kind)
+            )
+            results = mf.fit(sample.values, chosen, progress=tell, **options)
+            predictions = predict(results, self.angles)
+            return Fitted(sample.source, sample.steps, results, predictions, slopes=sample.values)
+        surface = surfaces.load(self.file, **self.reading)
+        results = mf.fit(surface, chosen, progress=tell, **options)
+        return Fitted(
+            surface.source,
+            surface.steps,
+            results,
+            predict(results, self.angles),
+            surface,
+            pixel=math.sqrt(math.prod(surface.pixel_size)),
+            roughness=mf.roughness(surface),
+            scales=mf.fit_scales(surface, families=chosen, progress=tell) if self.scales else None,
+        )
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """What came out; slopes without positions have neither roughness nor scales."""
+
+    source: str
+    steps: tuple[str, ...]
+    results: list[mf.FitResult]
+    predictions: list[Prediction]
+    surface: mf.Surface | None = None
+    slopes: Any = None  # where there is no surface
+    pixel: float | None = None  # metres; of two sizes the geometric mean
+    roughness: Any = None
+    scales: mf.ScaleFit | None = None
+
+    @property
+    def notes(self) -> list[str]:
+        """What the fits remark, each remark once."""
+        found = [note for result in self.results for note in result.notes]
+        return list(dict.fromkeys([*found, *(self.scales.notes if self.scales else ())]))
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A file that cannot be fitted, and why."""
+
+    source: str
+    error: str
+
+
+def run(
+    jobs: Sequence[Job], dask: str | None, tell: Tell, warn: Callable[[str], None]
+) -> list[Fitted | Failure]:
+    """Every job; of a single one the errors are raised, of several they are collected.
+
+    `dask` is the address of a scheduler, "local", "none", or None: local for several files if dask is there.
+    """
+    if len(jobs) == 1 and dask in (None, "none"):
+        return [jobs[0].run(tell)]
+    there = importlib.util.find_spec("distributed") is not None
+    if dask not in (None, "none") and not there:
+        raise ValueError(
+            f'--dask needs dask and distributed: pip install "microfacet[dask]", got --dask {dask}'
+        )
+    if dask == "none" or not there:
+        if not there:
+            warn(_HINT)
+        return [_attempt(job, tell, done, len(jobs)) for done, job in enumerate(jobs)]
+    with _client("local" if dask is None else dask, len(jobs)) as client:
+        distributed: Any = importlib.import_module("distributed")
+        futures = client.map(attempt, jobs, pure=False)
+        for done, _ in enumerate(distributed.as_completed(futures), start=1):
+            tell("files", done, len(jobs))
+        return list(client.gather(futures))
+
+
+def attempt(job: Job) -> Fitted | Failure:
+    """On a worker: without the map, which would have to travel."""
+    try:
+        return replace(job.run(), surface=None, slopes=None)
+    except (ValueError, ImportError, OSError) as error:
+        return Failure(job.file, " ".join(str(error).split()))
+
+
+def _attempt(job: Job, tell: Tell, done: int, total: int) -> Fitted | Failure:
+    tell(job.file, done, total)
+    return attempt(job)
+
+
+@contextmanager
+def _client(address: str, jobs: int) -> Iterator[Any]:
+    """A client of the scheduler at an address, or of a cluster of processes on this machine."""
+    distributed: Any = importlib.import_module("distributed")
+    if address != "local":
+        try:
+            client = distributed.Client(address, timeout=10)
+        except (OSError, ValueError) as error:
+            raise ValueError(f"--dask: no scheduler answers at {address} ({error})") from error
+        with client:
+            yield client
+        return
+    workers = min(jobs, os.cpu_count() or 1)
+    with (
+        distributed.LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client

@@ -1,0 +1,200 @@
+"""Figures of a fit: histograms with residuals, quantiles, roughness by direction, parameters against
+the lag.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, NullLocator
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from microfacet import plot
+from microfacet._report._figures import REFERENCE, FigureBlock, panel
+from microfacet._report._svg import INK, inline_svg
+
+__all__ = ["scale_figure", "slope_figures"]
+
+_BINS = 101
+_TALL = (5.4, 5.4)
+
+Vector = NDArray[np.float64]
+
+
+def slope_figures(slopes: Vector, results: Sequence[Any], titles: dict[str, str]) -> Iterator[FigureBlock]:
+    """Histograms along both axes, quantiles of the radius, roughness by direction, one by one."""
+    first = next((result.params["rotation"] for result in results if "rotation" in result.params), 0.0)
+    panels = []
+    for key, azimuth in (("x", first), ("y", first + 0.5 * np.pi)):
+        panels.append(_histogram(f"hist{key}", slopes, results, titles, azimuth))
+    degrees = np.degrees(first)
+    yield FigureBlock(
+        "slopes",
+        tuple(panels),
+        f"Slopes along both axes of the roughness ({degrees:.0f}° and {degrees + 90:.0f}° from $x$): the "
+        "measured density and the marginal $P_2$ of every family; below, measured over fitted. The band is "
+        "two standard deviations of as many slopes as these are worth.",
+    )
+    yield FigureBlock(
+        "quantiles",
+        (
+            panel(
+                "qq",
+                "Quantiles of the slope, measured over fitted",
+                partial(_quantiles, results, titles),
+                "lower left",
+            ),
+        ),
+        "Quantiles of the radial slope in standard space, measured over fitted, against the share of slopes "
+        "that lie beyond. A family whose curve bends down at the right has too heavy a tail, one whose "
+        "curve bends up too light a one.",
+    )
+    yield FigureBlock("directions", (_directions(slopes, results, titles),), _DIRECTIONS)
+
+
+_DIRECTIONS = (
+    "Roughness by direction: the median of the absolute slope along each azimuth, measured (points) and of "
+    "every family (curves). Points off the curves at some azimuths show an anisotropy that is not an ellipse."
+)
+
+
+def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
+    """Roughness and shape against the lag, for every family."""
+    lengths = np.asarray(scales.lengths)
+    by_lag = [{result.family: result for result in results} for results in scales.results]
+    names = [result.family for result in scales.results[0]]
+
+    def roughness(ax: Axes) -> None:
+        for name in names:
+            values = [_mean_alpha(fits[name].params) for fits in by_lag]
+            ax.plot(lengths, values, marker="o", markersize=4, **_look(name, titles))
+        if scales.noise_lags:
+            reach = lengths[: len(scales.noise_lags)]
+            start = _mean_alpha(by_lag[0][names[0]].params)
+            ax.plot(reach, 0.8 * start * reach[0] / reach, label="noise: 1/lag", **REFERENCE)
+        _axes_of_scales(ax, r"$\sqrt{\alpha_x \alpha_y}$")
+
+    def shape(ax: Axes) -> None:
+        for name in names:
+            own = [key for key in ("gamma", "a") if key in by_lag[0][name].params]
+            if own:
+                values = [fits[name].params[own[0]] for fits in by_lag]
+                errors = np.nan_to_num([fits[name].standard_errors[own[0]] for fits in by_lag])
+                ax.errorbar(lengths, values, yerr=errors, marker="o", markersize=4, **_look(name, titles))
+        _axes_of_scales(ax, r"$\gamma$, $a$")
+
+    panels = [panel("scalea", "Roughness of each family against the lag", roughness)]
+    if any(key in result.params for result in scales.results[0] for key in ("gamma", "a")):
+        panels.append(panel("scales", "Shape parameters against the lag", shape))
+    return FigureBlock(
+        "scales",
+        tuple(panels),
+        "Roughness and shape against the lag over which slopes are taken. Roughness has no value without it; "
+        "where it falls as 1/lag, it is that of noise.",
+    )
+
+
+def _axes_of_scales(ax: Axes, label: str) -> None:
+    ax.set(xscale="log", yscale="log", xlabel="lag in metres", ylabel=label)
+    low, high = ax.get_ylim()
+    ticks = [step * 10.0**power for power in range(-9, 10) for step in (1, 2, 5)]
+    seen = [tick for tick in ticks if low <= tick <= high]
+    ax.set_yticks(seen, [f"{tick:g}" for tick in seen])
+    ax.yaxis.set_minor_locator(NullLocator())
+
+
+def _histogram(
+    name: str, slopes: Vector, results: Sequence[Any], titles: dict[str, str], azimuth: float
+) -> str:
+    along = slopes @ np.array([np.cos(azimuth), np.sin(azimuth)])
+    extent = float(np.quantile(np.abs(along), 0.9995))
+    counts, edges = np.histogram(along, bins=_BINS, range=(-extent, extent))
+    middles = (edges[:-1] + edges[1:]) / 2
+    figure = Figure(figsize=_TALL)
+    top, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1.3))
+    figure.subplots_adjust(hspace=0.06, bottom=0.12)
+    fitted = {titles[result.family]: result.ndf for result in results}
+    plot.slope_histogram(slopes, fitted, top, azimuth=azimuth, log=True, bins=_BINS)
+    top.set(xlabel="")
+    top.legend(loc="lower center", ncols=2)
+    share = results[0].n_effective / results[0].n
+    for result in results:
+        cdf = np.asarray(plot.turned(result.ndf, azimuth).slope_cdf(edges))
+        expected = np.diff(cdf) * along.size
+        seen = counts > 0
+        ratio = counts[seen] / np.maximum(expected[seen], 1e-300)
+        look = _look(result.family, titles)
+        below.plot(middles[seen], ratio, linewidth=1.2, color=look["color"], linestyle=look["linestyle"])
+        if result is results[0]:
+            width = 2 / np.sqrt(np.maximum(expected * share, 1e-300))
+            below.fill_between(middles, np.exp(-width), np.exp(width), color=INK, alpha=0.12, linewidth=0)
+    below.axhline(1.0, **REFERENCE)
+    below.set(xlabel="slope", ylabel="ratio", yscale="log", ylim=(0.2, 5), yticks=[0.2, 1, 5])
+    below.set_yticklabels(["0.2", "1", "5"])
+    below.minorticks_off()
+    degrees = np.degrees(azimuth)
+    return inline_svg(
+        figure, name, f"Slope histogram along {degrees:.0f} degrees with all fits and their ratio"
+    )
+
+
+def _quantiles(results: Sequence[Any], titles: dict[str, str], ax: Axes) -> None:
+    for result in results:
+        goodness = result.goodness
+        beyond = 1 - np.asarray(goodness.probabilities)
+        ax.plot(
+            beyond,
+            np.asarray(goodness.observed) / np.asarray(goodness.expected),
+            **_look(result.family, titles),
+        )
+    ax.axhline(1.0, **REFERENCE)
+    ax.set(xscale="log", yscale="log", xlabel="share of slopes beyond", ylabel="measured / fitted quantile")
+    ax.set(ylim=(0.3, 3.4), yticks=[0.5, 1, 2])
+    ax.set_yticklabels(["0.5", "1", "2"])
+    ax.minorticks_off()
+    ax.invert_xaxis()
+
+
+def _directions(slopes: Vector, results: Sequence[Any], titles: dict[str, str]) -> str:
+    figure = Figure(figsize=_TALL)
+    ax: Any = figure.add_subplot(projection="polar")
+    every = slopes[:: max(1, len(slopes) // 100_000)]
+    points = np.radians(np.arange(0, 180, 7.5))
+    medians = np.array([np.median(np.abs(every @ [np.cos(angle), np.sin(angle)])) for angle in points])
+    around = np.concatenate((points, points + np.pi))
+    ax.plot(around, np.tile(medians, 2), "o", color=INK, markersize=4, label="measured", linestyle="none")
+    angles = np.linspace(0, np.pi, 61)
+    for result in results:
+        widths = [_median_slope(result.ndf, angle) for angle in angles]
+        ax.plot(np.concatenate((angles, angles + np.pi)), widths * 2, **_look(result.family, titles))
+    ax.set_rlabel_position(0)
+    ax.yaxis.set_major_locator(MaxNLocator(4))
+    ax.tick_params(labelsize=11)
+    figure.subplots_adjust(left=0.1, right=0.9, top=0.93, bottom=0.24)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=3)
+    return inline_svg(
+        figure, "polar", "Polar plot of the median absolute slope by azimuth, measured and fitted"
+    )
+
+
+def _median_slope(ndf: Any, azimuth: float) -> float:
+    """The median of the absolute slope along an azimuth: where the marginal's distribution function is
+    3/4.
+    """
+    marginal = plot.turned(ndf, azimuth)
+    return math.exp(brentq(lambda t: float(marginal.slope_cdf(math.exp(t))) - 0.75, -30.0, 15.0, xtol=1e-4))
+
+
+def _mean_alpha(params: dict[str, float]) -> float:
+    return params["alpha"] if "alpha" in params else math.sqrt(params["alpha_x"] * params["alpha_y"])
+
+
+def _look(name: str, titles: dict[str, str]) -> dict[str, Any]:
+    return {"label": titles[name], "color": plot.COLORS[name], "linestyle": plot.DASHES[name]}
