@@ -77,6 +77,12 @@ docs-accuracy: $(VENV)/.package $(VENV)/.test  ## measure the accuracy again and
 docs-sampling: $(VENV)/.package $(VENV)/.test  ## test every sampler of the full grid and write docs/sampling_tests.md (half an hour)
 	$(BIN)/python tools/measure_sampling.py $(ARGS)
 
+fit-coverage: $(VENV)/.package $(VENV)/.test  ## fit known slopes 200 times each and write docs/fitting_tests.md (some minutes)
+	$(BIN)/python tools/measure_fits.py $(ARGS)
+
+bench-fit: $(VENV)/.package $(VENV)/.bench  ## the fit beside the same likelihoods in SciPy (some minutes)
+	$(BIN)/python -m benchmarks.fitting $(ARGS)
+
 ##@ Other
 
 clean:  ## remove all that make made
@@ -124,4 +130,5 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group lint
 	@touch $@
 
-.PHONY: report install test test-cpp sanitize headers lint format bench bench-check docs-accuracy docs-sampling clean help
+.PHONY: report install test test-cpp sanitize headers lint format bench bench-check docs-accuracy docs-sampling \
+  fit-coverage bench-fit clean help

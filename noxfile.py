@@ -12,5 +12,6 @@ def delegate(target: str) -> None:
         session.run("make", target, *session.posargs, external=True)
 
 
-for target in ("report", "lint", "format", "headers", "sanitize", "test", "docs-accuracy", "docs-sampling"):
+TARGETS = ("report", "lint", "format", "headers", "sanitize", "test", "docs-accuracy", "docs-sampling")
+for target in (*TARGETS, "fit-coverage", "bench-fit"):
     delegate(target)

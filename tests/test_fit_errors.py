@@ -19,7 +19,7 @@ REPETITIONS = 20
 
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_intervals_cover_the_truth(case):
-    """20 repetitions at fixed seeds; `make docs-fit-coverage` runs 200 (docs/fitting_tests.md)."""
+    """20 repetitions at fixed seeds; `make fit-coverage` runs 200 (docs/fitting_tests.md)."""
     deviations = [case.deviations(case.slopes(5000, repetition)) for repetition in range(REPETITIONS)]
     for name, _ in case.parameters:
         covered = sum(abs(deviation[name]) < stats.norm.ppf(0.975) for deviation in deviations)
