@@ -109,7 +109,7 @@ def test_slopes_without_positions(run: Run, tmp_path: Path) -> None:
     slopes = np.random.default_rng(3).normal(size=(4000, 2)) * [0.1, 0.2]
     path = tmp_path / "slopes.csv"
     np.savetxt(path, slopes, delimiter=",")
-    result = run(path, "--slopes", "--family", "beckmann", "--json")
+    result = run(path, "--slopes", "table", "--family", "beckmann", "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
     assert answer["ranking"][0]["params"] == pytest.approx(mf.fit(slopes, "beckmann")[0].params)
@@ -143,7 +143,7 @@ def test_the_page_is_whole_and_needs_nothing_else(run: Run, file: Path) -> None:
 def test_the_page_of_slopes_has_no_map(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "slopes <1>.csv"
     np.savetxt(path, np.random.default_rng(3).normal(size=(2000, 2)), delimiter=",")
-    page = page_of(run, path, "--slopes", "--family", "beckmann")
+    page = page_of(run, path, "--slopes", "table", "--family", "beckmann")
     assert 'id="fig-surface-map"' not in page
     assert 'id="fig-scales"' not in page
     assert "slopes &lt;1&gt;.csv" in page
@@ -219,8 +219,6 @@ def test_many_files_on_a_cluster(run: Run, file: Path) -> None:
         (["missing.npz"], "missing.npz"),
         (["{file}", "--family", "phong"], "phong"),
         (["{file}", "--angle", "90"], "90"),
-        (["{file}", "--slopes", "--normal-map", "opengl"], "exclude each other"),
-        (["{file}", "--slopes", "--lag", "2"], "--lag goes with height maps"),
         (["{file}", "{file}", "--report", "page.html"], "one file"),
         (["{file}", "--report", "nowhere/page.html"], "existing folder"),
         (["{file}", "--max-slopes", "5"], "max-slopes"),

@@ -261,7 +261,7 @@ def fit(ctx: click.Context, /, **arguments: Any) -> None:
       microfacet fit scan.di --lag 2 --family student_t --family ggx --json
       microfacet fit scan.x3p --l-filter 8e-4 --report scan.html
       microfacet fit *.x3p --dask tcp://10.0.0.5:8786 --json
-      microfacet fit slopes.parquet --slopes
+      microfacet fit slopes.parquet --slopes table
     """
     from microfacet._report.fit import write
 

@@ -21,12 +21,6 @@ Command = Callable[..., Any]
 def fit_options(command: Command) -> Command:
     """Options of a fit beyond the reading; the command gets them as `options`."""
 
-    @click.option("--slopes", is_flag=True, help="The files hold slopes: two columns, p and q.")
-    @click.option(
-        "--normal-map",
-        type=click.Choice(["opengl", "directx"]),
-        help="The files are tangent-space normal maps of this convention.",
-    )
     @click.option("--scales/--no-scales", default=True, help="Fit at lags 1, 2, 4, ... too (default).")
     @click.option(
         "--angle",
@@ -45,8 +39,6 @@ def fit_options(command: Command) -> Command:
     )
     @functools.wraps(command)
     def wrapped(
-        slopes: bool,
-        normal_map: str | None,
         scales: bool,
         angles: tuple[float, ...],
         max_slopes: int | None,
@@ -54,15 +46,9 @@ def fit_options(command: Command) -> Command:
         dask: str | None,
         **rest: Any,
     ) -> Any:
-        if slopes and normal_map:
-            raise click.UsageError("--slopes and --normal-map exclude each other")
-        kind = "slopes" if slopes else normal_map or "heights"
-        if kind != "heights" and rest.get("reading"):
-            name = next(iter(rest["reading"])).replace("_", "-")
-            raise click.UsageError(f"--{name} goes with height maps, not with --slopes and --normal-map")
         if report and len(rest["files"]) > 1:
             raise click.UsageError("--report is about one file: give one, or run the command for each")
-        options = {"kind": kind, "scales": scales, "max_slopes": max_slopes}
+        options: dict[str, Any] = {"scales": scales, "max_slopes": max_slopes}
         if angles:
             options["angles"] = angles
         return command(options=options, report=report, dask=dask, **rest)

@@ -29,7 +29,6 @@ class Job:
     file: str
     reading: dict[str, Any] = field(default_factory=dict)
     families: tuple[str, ...] = ()
-    kind: str = "heights"  # or "slopes", or the convention of a normal map
     scales: bool = True
     max_slopes: int | None = None
     angles: tuple[float, ...] = ANGLES
@@ -38,16 +37,12 @@ class Job:
         """Read, prepare, fit."""
         chosen = self.families or None
         options = {} if self.max_slopes is None else {"max_slopes": self.max_slopes}
-        if self.kind != "heights":
-            sample = (
-                mf.read_slopes(self.file)
-                if self.kind == "slopes"
-                else mf.read_normal_map(self.file, self.kind)
-            )
-            results = mf.fit(sample.values, chosen, progress=tell, **options)
+        found = surfaces.load(self.file, **self.reading)
+        if isinstance(found, mf.SlopeSample):
+            results = mf.fit(found.values, chosen, progress=tell, **options)
             predictions = predict(results, self.angles)
-            return Fitted(sample.source, sample.steps, results, predictions, slopes=sample.values)
-        surface = surfaces.load(self.file, **self.reading)
+            return Fitted(found.source, found.steps, results, predictions, slopes=found.values)
+        surface = found
         results = mf.fit(surface, chosen, progress=tell, **options)
         return Fitted(
             surface.source,
