@@ -29,28 +29,27 @@ def goodness(model: Model, state: State, axis: float, independent_share: float) 
     shape, alpha = model.shape(state), math.exp(state.log_alpha)
     kernels = model.family.kernels
     beyond = np.asarray(kernels.survival(radius, alpha, *shape))
-    order = np.argsort(radius)
     n = radius.size
     probabilities = tuple(p for p in _PROBABILITIES if 1 / n < p < 1 - 1 / n)
-    observed = np.quantile(radius[order], probabilities)
+    observed = np.quantile(radius, probabilities)
     expected = [float(kernels.sample_slope(p, alpha, *shape)) for p in probabilities]
     if model.stretched:
         turned = np.arctan2(sine, cosine) - axis
-        sector = np.floor(turned * (_SECTORS / (2 * math.pi))).astype(np.int64) % _SECTORS
-        sectors = [_anderson_darling(beyond[order][sector[order] == k]) for k in range(_SECTORS)]
+        sector = np.floor(turned * (_SECTORS / (2 * math.pi))).astype(np.int8) % _SECTORS
+        sectors = [_anderson_darling(beyond[sector == k]) for k in range(_SECTORS)]
     else:
         sectors = []
     return Goodness(
         probabilities=probabilities,
         observed=tuple(map(float, observed)),
         expected=tuple(expected),
-        anderson_darling=independent_share * _anderson_darling(beyond[order]),
+        anderson_darling=independent_share * _anderson_darling(beyond),
         sectors=tuple(independent_share * value for value in sectors),
     )
 
 
 def _anderson_darling(beyond: Vector) -> float:
-    """A^2 from probabilities to lie beyond, of a sample in ascending order (so that they descend).
+    """A^2 of a sample, from the probabilities to lie beyond each of its members.
 
     T. W. Anderson & D. A. Darling, A test of goodness of fit, JASA 49, 1954: A^2 = -n - sum (2 i - 1)/n
     (log F_i + log(1 - F_(n+1-i))).
@@ -58,7 +57,7 @@ def _anderson_darling(beyond: Vector) -> float:
     n = beyond.size
     if n == 0:
         return math.nan
-    tail = np.maximum(beyond, 1e-300)
+    tail = np.maximum(np.sort(beyond)[::-1], 1e-300)
     weight = (2 * np.arange(1, n + 1) - 1) / n
     with np.errstate(divide="ignore"):
         below = np.maximum(np.log1p(-np.minimum(tail, 1.0)), -690.0)

@@ -119,7 +119,7 @@ def prepare(slopes: ArrayLike, max_slopes: int | None, cells: NDArray[np.int16] 
         chosen = np.random.default_rng(_SEED).choice(len(array), max_slopes, replace=False)
         chosen.sort()
         array, cells = array[chosen], None if cells is None else cells[chosen]
-    squares, central = _squares(*(array - mean).T)
+    squares, central = _squares(*np.ascontiguousarray((array - mean).T))
     if central > 0.01:
         notes += (
             f"{central:.0%} of the slopes equal the mean slope, which favours densities infinite there",
