@@ -49,7 +49,7 @@ def slope_figures(slopes: Vector, results: Sequence[Any], titles: dict[str, str]
                 "qq",
                 "Quantiles of the slope, measured over fitted",
                 partial(_quantiles, results, titles),
-                "lower left",
+                legend=None,
             ),
         ),
         "Quantiles of the radial slope in standard space, measured over fitted, against the share of slopes "
@@ -156,10 +156,11 @@ def _quantiles(results: Sequence[Any], titles: dict[str, str], ax: Axes) -> None
         )
     ax.axhline(1.0, **REFERENCE)
     ax.set(xscale="log", yscale="log", xlabel="share of slopes beyond", ylabel="measured / fitted quantile")
-    ax.set(ylim=(0.3, 3.4), yticks=[0.5, 1, 2])
+    ax.set(ylim=(0.3, 5), yticks=[0.5, 1, 2])
     ax.set_yticklabels(["0.5", "1", "2"])
     ax.minorticks_off()
     ax.invert_xaxis()
+    ax.legend(loc="upper center", ncols=3)
 
 
 def _directions(slopes: Vector, results: Sequence[Any], titles: dict[str, str]) -> str:
