@@ -252,8 +252,8 @@ def fit(ctx: click.Context, /, **arguments: Any) -> None:
     """Fit the families to the slopes of measured surfaces and rank them.
 
     FILE is a height map: .npz, .npy, .x3p, a grid of numbers, an image, and what instruments write where
-    microfacet[surface] is installed; or slopes. Several files give one table; where dask is installed they are
-    fitted at the same time.
+    microfacet[surface] is installed; or slopes. Several files give one table; where dask is installed they
+    are fitted at the same time.
 
     \b
     Examples:
