@@ -42,11 +42,10 @@ Independent slopes of known families, alpha_x = {alpha_x:g}, alpha_y = {alpha_y:
 (GTR: as stated), fitted by `microfacet.fit`.
 
 - **Coverage**: how many of {repetitions} intervals of 1.96 standard errors, each from {slopes:,} slopes, hold
-the true
-  parameter. Correct ones hold 95 %; all {tests} tests together fail with probability {significance:g}
-  (Sidak), so that each binomial p-value has to exceed {threshold:.2g}.
-- **Recovery**: the largest deviation, in standard errors, of a parameter fitted to {many:,} slopes; at most
-3.
+  the true parameter. Correct ones hold 95 %; all {tests} tests together fail with probability
+  {significance:g} (Sidak), so that each binomial p-value has to exceed {threshold:.2g}.
+- **Recovery**: the largest deviation, in standard errors, of a parameter fitted to {many:,} slopes;
+  at most 3.
 """
 
 

@@ -169,7 +169,7 @@ def _ranked(found: list[_Fitted], slopes: Slopes, lag: int | None) -> list[FitRe
 def _result(fitted: _Fitted, best: _Fitted, share: float, slopes: Slopes, lag: int | None) -> FitResult:
     model, state, n = fitted.model, fitted.state, slopes.n
     params = parameters(model, state)
-    effective, per_slope = share * n, fitted.log_likelihood / n
+    effective, per_slope = max(share * n, 1.0), fitted.log_likelihood / n
     behind = float(np.sum(best.held_out - fitted.held_out)) / n
     return FitResult(
         family=model.family.name,

@@ -189,6 +189,8 @@ class Model:
         to second order.
         """
         kernels, h = self.family.kernels, _STEP
+        # The power of a density that is no stretch multiplies what a change of alpha does.
+        g = h if self.stretched else h / (1 + sum(self.shape(state)))
 
         def at(u: float, change: float = 0.0) -> Vector:
             shape = self.shape(state)
@@ -197,16 +199,16 @@ class Model:
             alpha = math.exp(state.log_alpha + u)
             return log_density(lambda r: kernels.P22(r, 0.0, alpha, *shape), radius)
 
-        middle, up, down = at(0.0), at(h), at(-h)
-        du, duu = (up - down) / (2 * h), (up - 2 * middle + down) / h**2
+        middle, up, down = at(0.0), at(g), at(-g)
+        du, duu = (up - down) / (2 * g), (up - 2 * middle + down) / g**2
         terms = middle + self._offset(state)
         if state.log_shape is None:
             shapes: list[Vector] = []
         else:
             more, less = at(0.0, h), at(0.0, -h)
             dk, dkk = (more - less) / (2 * h), (more - 2 * middle + less) / h**2
-            both = at(h, h) + at(-h, -h)
-            shapes = [dk, dkk, (both - up - down - more - less + 2 * middle) / (2 * h**2)]
+            both = at(g, h) + at(-g, -h)
+            shapes = [dk, dkk, (both - up - down - more - less + 2 * middle) / (2 * g * h)]
         if not self.stretched:
             first, second = [du, *shapes[:1]], [duu, *shapes[2:], *shapes[1:2]]
             return terms, first, second

@@ -17,9 +17,10 @@ __all__ = ["Maximum", "fold_state", "maximise", "newton_step"]
 _SHAPE_STARTS = (0.1, 0.4, 1.0, 2.5, 6.0, 20.0)  # above the lower end of the parameter's interval
 _FIRST_SEARCH = 4000  # slopes for the search from several starts
 _SECOND_SEARCH = 50_000  # slopes for the search from its result
-_STEPS = 100
-# Squared length of the remaining step in standard errors of independent slopes.
-_TOLERANCE = 1e-10
+_STEPS = 60
+# Squared length of the remaining step in standard errors of independent slopes: what is aimed at, and what
+# is good enough where rounding allows no better.
+_TOLERANCE, _GOOD_ENOUGH = 1e-10, 1e-6
 
 Vector = NDArray[np.float64]
 
@@ -79,7 +80,10 @@ def newton_step(gradient: Vector, hessian: Vector, free: NDArray[np.bool_]) -> V
 
 def _search(model: Model, state: State) -> Maximum:
     sums = model.sums(state)
-    radius = 1.0  # of the region in which the quadratic model is trusted, in logarithmic units
+    radius, left = (
+        1.0,
+        math.inf,
+    )  # of the region in which the quadratic model is trusted, in logarithmic units
     for _ in range(_STEPS):
         gradient, hessian = sums.gradient.sum(axis=0), sums.hessian.sum(axis=0)
         free = _free(model, state, gradient)
@@ -94,10 +98,11 @@ def _search(model: Model, state: State) -> Maximum:
         if not math.isfinite(gain) or gain < -1e-12 * abs(float(np.sum(sums.value))):
             radius = float(np.abs(step).max()) / 4
             if radius < 1e-12:
-                return Maximum(state, sums, free, left < 1e-4)
+                break
             continue
         state, sums, radius = trial, new, min(2 * radius, 1.0)
-    return Maximum(state, sums, _free(model, state, sums.gradient.sum(axis=0)), False)
+    free = _free(model, state, sums.gradient.sum(axis=0))
+    return Maximum(state, sums, free, left < _GOOD_ENOUGH)
 
 
 def _free(model: Model, state: State, gradient: Vector) -> NDArray[np.bool_]:
