@@ -80,6 +80,13 @@ def test_tables(run: Run, file: Path) -> None:
     assert re.search(r"\d+ slopes at lag 1, worth \d+ independent ones", result.stderr)
 
 
+def test_the_terrain_needs_no_file(run: Run) -> None:
+    answer = json.loads(run("--terrain", "--lag", "4", "--family", "ggx", "--no-scales", "--json").stdout)
+    expected = mf.fit(mf.sample_terrain().level(), "ggx", lag=4)[0]
+    assert (answer["lag"], answer["ranking"][0]["params"]) == (4, expected.params)
+    assert "jacksboro" in answer["source"]
+
+
 def test_scales_can_be_left_out(run: Run, file: Path) -> None:
     answer = json.loads(run(file, "--family", "ggx", "--no-scales", "--json").stdout)
     assert answer["scales"] is None
@@ -219,6 +226,8 @@ def test_many_files_on_a_cluster(run: Run, file: Path) -> None:
         (["missing.npz"], "missing.npz"),
         (["{file}", "--family", "phong"], "phong"),
         (["{file}", "--angle", "90"], "90"),
+        (["{file}", "--terrain"], "or --terrain"),
+        (["--terrain", "--form", "2"], "--form goes with a FILE"),
         (["{file}", "{file}", "--report", "page.html"], "one file"),
         (["{file}", "--report", "nowhere/page.html"], "existing folder"),
         (["{file}", "--max-slopes", "5"], "max-slopes"),

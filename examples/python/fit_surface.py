@@ -13,8 +13,11 @@ print(*surface.steps, sep="\n")
 
 for lag in (2, 4, 8):
     print(f"\nlag {lag} px")
-    results = mf.fit(surface, lag=lag, max_slopes=10_000)
+    results = mf.fit(surface, lag=lag, max_slopes=50_000)
     for result in results:
-        behind = (result.log_likelihood - results[0].log_likelihood) / result.n
-        values = ", ".join(f"{name} {value:.3g}" for name, value in result.params.items())
+        behind = result.held_out - results[0].held_out  # of slopes that the fit had not seen
+        values = ", ".join(
+            f"{name} {value:.3g} ± {result.standard_errors[name]:.1g}"
+            for name, value in result.params.items()
+        )
         print(f"  {result.family:10} {behind:+.4f} nats per slope   {values}")

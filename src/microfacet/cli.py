@@ -242,7 +242,7 @@ def sample(
 
 
 @main.command()
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", nargs=-1, metavar="[FILE]...")
 @surface_options
 @families_option
 @fit_options
@@ -258,6 +258,7 @@ def fit(ctx: click.Context, /, **arguments: Any) -> None:
     \b
     Examples:
       microfacet fit scan.x3p
+      microfacet fit --terrain --report terrain.html
       microfacet fit scan.di --lag 2 --family student_t --family ggx --json
       microfacet fit scan.x3p --l-filter 8e-4 --report scan.html
       microfacet fit *.x3p --dask tcp://10.0.0.5:8786 --json

@@ -21,6 +21,7 @@ Command = Callable[..., Any]
 def fit_options(command: Command) -> Command:
     """Options of a fit beyond the reading; the command gets them as `options`."""
 
+    @click.option("--terrain", is_flag=True, help="Fit the terrain that ships with matplotlib: no FILE.")
     @click.option("--scales/--no-scales", default=True, help="Fit at lags 1, 2, 4, ... too (default).")
     @click.option(
         "--angle",
@@ -39,6 +40,7 @@ def fit_options(command: Command) -> Command:
     )
     @functools.wraps(command)
     def wrapped(
+        terrain: bool,
         scales: bool,
         angles: tuple[float, ...],
         max_slopes: int | None,
@@ -46,9 +48,13 @@ def fit_options(command: Command) -> Command:
         dask: str | None,
         **rest: Any,
     ) -> Any:
+        if bool(rest["files"]) == terrain:
+            raise click.UsageError("give at least one FILE, or --terrain")
+        if terrain and (others := rest["reading"].keys() - {"lag"}):
+            raise click.UsageError(f"--{min(others).replace('_', '-')} goes with a FILE, not with --terrain")
         if report and len(rest["files"]) > 1:
             raise click.UsageError("--report is about one file: give one, or run the command for each")
-        options: dict[str, Any] = {"scales": scales, "max_slopes": max_slopes}
+        options: dict[str, Any] = {"terrain": terrain, "scales": scales, "max_slopes": max_slopes}
         if angles:
             options["angles"] = angles
         return command(options=options, report=report, dask=dask, **rest)
@@ -71,7 +77,7 @@ def fit_files(
 
     if report and not Path(report).absolute().parent.is_dir():
         raise ValueError(f"--report must lie in an existing folder, got {report!r}")
-    jobs = [fits.Job(file, reading, families, **options) for file in files]
+    jobs = [fits.Job(file, reading, families, **options) for file in files or ("",)]
     with progress() as tell:
         outcomes = fits.run(jobs, "none" if report else dask, tell, lambda line: click.echo(line, err=True))
         if report and isinstance(outcomes[0], fits.Fitted):

@@ -32,12 +32,13 @@ class Job:
     scales: bool = True
     max_slopes: int | None = None
     angles: tuple[float, ...] = ANGLES
+    terrain: bool = False  # instead of a file
 
     def run(self, tell: Tell = lambda *_: None) -> Fitted:
         """Read, prepare, fit."""
         chosen = self.families or None
         options = {} if self.max_slopes is None else {"max_slopes": self.max_slopes}
-        found = surfaces.load(self.file, **self.reading)
+        found = self._terrain() if self.terrain else surfaces.load(self.file, **self.reading)
         if isinstance(found, mf.SlopeSample):
             results = mf.fit(found.values, chosen, progress=tell, **options)
             predictions = predict(results, self.angles)
@@ -54,6 +55,10 @@ class Job:
             roughness=mf.roughness(surface),
             scales=mf.fit_scales(surface, families=chosen, progress=tell) if self.scales else None,
         )
+
+    def _terrain(self) -> mf.Surface:
+        surface, lag = mf.sample_terrain().level(), self.reading.get("lag")
+        return surface if lag is None else surface.at_lag(lag)
 
 
 @dataclass(frozen=True)
