@@ -77,9 +77,16 @@ class Fitted:
 
     @property
     def notes(self) -> list[str]:
-        """What the fits remark, each remark once."""
-        found = [note for result in self.results for note in result.notes]
-        return list(dict.fromkeys([*found, *(self.scales.notes if self.scales else ())]))
+        """What the fits remark, each remark once, with the families it is about unless it is all of them."""
+        about: dict[str, list[str]] = {}
+        for result in self.results:
+            for note in result.notes:
+                about.setdefault(note, []).append(result.family)
+        found = [
+            note if len(names) == len(self.results) else f"{', '.join(names)}: {note}"
+            for note, names in about.items()
+        ]
+        return [*found, *(self.scales.notes if self.scales else ())]
 
 
 @dataclass(frozen=True)
