@@ -145,6 +145,9 @@ def public_functions() -> dict[str, Callable[[], Any]]:
         "fit": lambda: mf.fit(slopes, families=["beckmann"]),
         "fit_scales": lambda: mf.fit_scales(mf.sample_terrain(), [4], "beckmann"),
         "fit_table": lambda: mf.fit_table(mean_square_slopes=0.03),
+        "fresnel_average": lambda: mf.fresnel_average(1.5),
+        "fresnel_conductor": lambda: mf.fresnel_conductor(0.5, 0.2, 3.4),
+        "fresnel_dielectric": lambda: mf.fresnel_dielectric(0.5, 1.5),
     }
     for family in mf.families():
         values = {
