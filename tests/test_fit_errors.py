@@ -51,6 +51,17 @@ def test_the_error_of_the_mean_slope():
     assert errors == pytest.approx(np.array([0.3, 0.1]) * math.sqrt(math.pi / 2 / 100_000), rel=0.05)
 
 
+def test_every_slope_of_a_map_is_in_the_cell_where_it_lies():
+    """On z = (x^2 + y^2)/2 the slopes are the positions."""
+    y, x = np.mgrid[0:50, 0:70].astype(float)
+    heights = (x**2 + y**2) / 2
+    heights[np.random.default_rng(6).random(heights.shape) < 0.1] = math.nan
+    surface, lag = mf.Surface(heights, 1.0), 3
+    columns, rows = np.round(surface.slopes(lag)).astype(int).T - lag
+    expected = blocks.CELLS * (rows * blocks.CELLS // 44) + columns * blocks.CELLS // 64
+    np.testing.assert_array_equal(blocks.cells_of_map(surface.mask, lag), expected)
+
+
 def correlated_map(seed, length=3.0, size=192):
     """A periodic Gaussian field: its slopes are normal (Beckmann), correlated over `length` pixels."""
     noise = np.random.default_rng(seed).normal(size=(size, size))

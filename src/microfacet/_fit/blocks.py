@@ -29,9 +29,10 @@ def cells_of_map(mask: NDArray[np.bool_], lag: int) -> NDArray[np.int16]:
     known = (
         mask[inner, 2 * lag :] & mask[inner, : -2 * lag] & mask[2 * lag :, inner] & mask[: -2 * lag, inner]
     )
-    rows, columns = np.nonzero(known)
     ny, nx = known.shape
-    return np.asarray(CELLS * (rows * CELLS // ny) + columns * CELLS // nx, dtype=np.int16)
+    row = (CELLS * np.arange(ny) // ny * CELLS).astype(np.int16)
+    column = (CELLS * np.arange(nx) // nx).astype(np.int16)
+    return np.asarray((row[:, np.newaxis] + column)[known])
 
 
 def fold_of_group(groups: int) -> NDArray[np.intp]:

@@ -116,7 +116,7 @@ def prepare(slopes: ArrayLike, max_slopes: int | None, cells: NDArray[np.int16] 
     mean = np.median(array, axis=0)
     if max_slopes is not None and len(array) > max_slopes:
         notes = (f"fitted to {max_slopes} of {len(array)} slopes, drawn at random with seed {_SEED}",)
-        chosen = np.random.default_rng(_SEED).choice(len(array), max_slopes, replace=False)
+        chosen = np.random.default_rng(_SEED).choice(len(array), max_slopes, replace=False, shuffle=False)
         chosen.sort()
         array, cells = array[chosen], None if cells is None else cells[chosen]
     squares, central = _squares(*np.ascontiguousarray((array - mean).T))
