@@ -34,14 +34,14 @@ class dielectric {
     return select(wo.z > T(0), reflected(wi, m, at), refracted(wi, wo, m, at));
   }
   T reflected(const vec3<T>& wi, const vec3<T>& m, const facet_statistics<T>& at) const {
-    return reflectance(dot(wi, m)) * pdf_of_mirrors(at);
+    return share(reflectance(dot(wi, m)), pdf_of_mirrors(at));
   }
   T refracted(const vec3<T>& wi, const vec3<T>& wo, const vec3<T>& m, const facet_statistics<T>& at) const {
     const T cosine = dot(wi, m), passed = T(1) - reflectance(cosine);
     const T density = cosine * at.D / at.area * refraction_jacobian(wi, wo, m, eta_);
     // An interface of equal indices deflects nothing: all goes to -wi, which has no density.
     const auto possible = (cosine > T(0)) & (dot(wo, m) < T(0)) & (eta_ != T(1));
-    return select(possible, T(passed * density), T(T(0) * (eta_ + wo.z)));
+    return select(possible, share(passed, density), T(T(0) * (eta_ + wo.z)));
   }
   // By the first uniform number one of both, with its own probability.
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T& xi, const T&) const {
@@ -54,6 +54,11 @@ class dielectric {
   }
 
  private:
+  // Nothing of a density is nothing, even if it is infinite.
+  static T share(const T& part, const T& density) {
+    return select(part == T(0), T(0), T(part * density));
+  }
+
   T eta_;
 };
 

@@ -86,12 +86,16 @@ class scattering_pair {
       const auto above = wo_.z > T(0);
       const T part = select(above, mirrors, lenses) / maximum(density, smallest<T>());
       const T sure = select((above & !passed) | ((wo_.z < T(0)) & passed), T(1), T(0));
-      weight = weight * select(density > smallest<T>(), part, sure);
+      weight = weight * select((density > smallest<T>()) & (density < T(inf)), part, sure);
       weight = select(material_.eta() == T(1), T(T(1) + T(0) * wi_.z), weight);
     } else {
       density = pdf_of_mirrors(at), weight = weight * material_.reflectance(dot(wi_, m));
     }
-    return {scaled(wo_, turned_), inside(weight), select(wi_.z > T(0), density, T(T(0) * wi_.z))};
+    // From below an opaque surface, and from straight below any, no facet is seen.
+    const auto seen = wi_.z > T(0);
+    const T nothing = T(0) * wi_.z + T(0);
+    return {scaled(select(seen, wo_, scaled(wi_, T(-1))), turned_), select(seen, inside(weight), nothing),
+            select(seen, density, nothing)};
   }
   // What leaves of the light that facets m mirror (a pair drawn with 0) or let pass (with 1), per steradian
   // of normals.
@@ -117,7 +121,7 @@ class scattering_pair {
   // 0 where no light goes: from or to the horizon, and below an opaque surface.
   T inside(const T& value) const {
     const auto leaves = transmits ? (wo_.z > T(0)) | (wo_.z < T(0)) : wo_.z > T(0);
-    return select((wi_.z > T(0)) & leaves, value, T(T(0) * (wi_.z + wo_.z)));
+    return select((wi_.z > T(0)) & leaves, value, T(T(0) * (wi_.z + wo_.z) + T(0)));
   }
 
   Material material_;
