@@ -55,11 +55,16 @@ class Case:
         return cls(**dict(self.parameters))
 
     @cached_property
-    def w(self) -> NDArray[np.float64]:
-        """The direction of incidence, a float32 one where that is the precision."""
+    def given(self) -> NDArray[Any]:
+        """The direction of incidence, as the sampler is given it."""
         s, c = np.sin(np.radians(self.incidence)), np.sin(np.radians(90.0 - self.incidence))
         phi = np.radians(self.azimuth)
-        w = np.array([s * np.cos(phi), s * np.sin(phi), c]).astype(self.dtype).astype(np.float64)
+        return np.array([s * np.cos(phi), s * np.sin(phi), c]).astype(self.dtype)
+
+    @cached_property
+    def w(self) -> NDArray[np.float64]:
+        """The same direction, of unit length in double precision."""
+        w = self.given.astype(np.float64)
         return np.asarray(w / np.linalg.norm(w))
 
     @property
@@ -79,7 +84,7 @@ class Case:
         if self.scheme == "all":
             return np.asarray(self.ndf.sample(xi))
         how = {"bounded": True} if self.scheme == "bounded" else {"scheme": self.scheme}
-        return np.asarray(self.ndf.sample_visible(self.w.astype(self.dtype), xi, **how))
+        return np.asarray(self.ndf.sample_visible(self.given, xi, **how))
 
     def density(self, m: NDArray[np.float64]) -> NDArray[np.float64]:
         """Their density, in double precision."""

@@ -100,7 +100,7 @@ DEEP = [
     (mf.StudentT(alpha=0.1, gamma=20.0), 170),
     (mf.BesselK(alpha=0.01, a=1.3), 130),
     (mf.BesselK(alpha=0.1, a=10.0), 170),
-    (mf.Beckmann(alpha=0.1), 130),
+    (mf.Beckmann(alpha=0.1), 150),
 ]
 
 
@@ -119,9 +119,11 @@ def test_float32_reaches_directions_whose_area_it_cannot_hold(ndf: Any, degrees:
         return np.abs(np.stack((x / z, y / z)))
 
     double, single = slopes(np.float64), slopes(np.float32)
-    spread = np.std(double - single if scheme == "continuous" else double, axis=1)
-    difference = np.abs(double.mean(axis=1) - single.mean(axis=1))
-    assert np.all(difference < 1e-6 * double.mean(axis=1) + 5 * spread * np.sqrt(2 / 4000))
+    if scheme == "continuous":
+        assert np.all(np.abs(double - single).mean(axis=1) < 1e-6 * double.mean(axis=1))
+    else:
+        spread = 5 * double.std(axis=1) * np.sqrt(2 / 4000)
+        assert np.all(np.abs(double.mean(axis=1) - single.mean(axis=1)) < spread)
     if dims >= 3:  # where results replace the uniform numbers
         np.testing.assert_allclose(slopes(np.float32, in_place=True)[0], single[0], rtol=1e-5)
 
@@ -131,3 +133,12 @@ def test_mixture_is_a_scheme_of_its_own(ndf: Any) -> None:
     xi = np.random.default_rng(1).random((100, ndf.mixture_dims))
     schemes = [ndf.sample_visible(towards(60), xi, scheme=scheme) for scheme in ("continuous", "mixture")]
     assert not np.allclose(*schemes)
+
+
+def test_rounding_at_the_seam_of_the_mixture() -> None:
+    """Found by a million samples: what is left of the first uniform number rounded to more than 1."""
+    xi = np.full((400, 3), [0.5347374, 0.5052149, 0.27541554], dtype=np.float32)
+    xi[:, 0] += (np.arange(400, dtype=np.float32) - 200) * np.float32(2**-24)
+    w = towards(80, 35).astype(np.float32)
+    m = mf.Beckmann(alpha=1.0).sample_visible(w, xi, scheme="mixture")
+    assert not np.isnan(m).any()

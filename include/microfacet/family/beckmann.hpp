@@ -58,9 +58,16 @@ class beckmann {
   }
 
   // What smith/visible_slope.hpp asks for.
-  T sf_over_density(const T& t) const { return T(0.5 * sqrt_pi) * erfc_scaled(t) * beyond_erfc(t); }
+  T sf_over_density(const T& t) const {
+    return choose(
+        t > detail::where_erfc_lives(t), [&] { return T(T(0.5) / t * far_tail(t, {2, 12, 120, 1680})); },
+        [&] { return T(T(0.5 * sqrt_pi) * erfc_scaled(t)); });
+  }
   T excess_over_density(const T& t, const T&) const {
-    return T(0.5 * sqrt_pi) * ierfc_scaled(t) * square(beyond_erfc(t));
+    return choose(
+        t > detail::where_erfc_lives(t),
+        [&] { return T(T(0.25) / (t * t) * far_tail(t, {6, 60, 840, 15120})); },
+        [&] { return T(T(0.5 * sqrt_pi) * ierfc_scaled(t)); });
   }
   T moment_over_density(const T&, const T&) const { return T(0.5); }
   T log_slope(const T& t, const T&) const { return T(-2) * t; }
@@ -99,10 +106,10 @@ class beckmann {
   T across_of_tables(const T&, const T& xi, const T&) const { return across_by_quantile(xi); }
 
  private:
-  // exp(-x^2) is zero there, but its quotients tend to 1/(2t) and 1/(4t^2).
-  static T beyond_erfc(const T& t) {
-    const T inside = detail::where_erfc_lives(t);
-    return choose(t > inside, [&] { return T(inside / t); }, [&] { return T(1); });
+  // Where exp(-t^2) is zero its quotients have asymptotic series in -1/(2t)^2 (Abramowitz and Stegun 7.2.14).
+  static T far_tail(const T& t, const std::array<double, 4>& c) {
+    const T y = T(0.25) / (t * t);
+    return T(1) - y * (T(c[0]) - y * (T(c[1]) - y * (T(c[2]) - y * T(c[3]))));
   }
 };
 

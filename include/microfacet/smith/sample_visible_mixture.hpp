@@ -72,7 +72,8 @@ visible_slopes<T> mix_visible_slopes(const Family& family, const T& x, const uni
   // At most the share, and positive.
   const auto first = u.xi[0] < share;
   const T part = maximum(T(select(first, u.xi[0], share) / maximum(share, smallest<T>())), smallest<T>());
-  const T rest = select(first, T(1), T((T(1) - u.xi[0]) / maximum(other, smallest<T>())));
+  // At most 1, whatever rounding says.
+  const T rest = select(first, T(1), minimum(T((T(1) - u.xi[0]) / maximum(other, smallest<T>())), T(1)));
   return choose(
       first, [&] { return seen_from_below(family, X, below, part, u); },
       [&] { return turned_towards(family, c, rest, u); });
