@@ -150,7 +150,9 @@ class single_step {
                                        correlated());
       };
       put(part(L(0), blocked_), b_.out[0], i);
-      put(transmits ? part(L(1), pdf_bounded_) : L(0), b_.out[1], i);
+      // Beyond the critical angle nothing passes.
+      const L crosses = through(i, L(1)).passed();
+      put(select(crosses > L(0), part(L(1), pdf_bounded_), L(L(0) * crosses)), b_.out[1], i);
     });
   }
 

@@ -37,6 +37,8 @@ class scattering_pair {
   }
 
   const vec3<T>& wi() const { return wi_; }
+  // 1 where a drawn pair crosses its facet.
+  const T& passed() const { return passed_; }
   // Whose projected area is in the way of wo.
   vec3<T> blocking() const { return scaled(wo_, select(wo_.z > T(0), T(-1), T(1))); }
   vec3<T> facet() const { return material_.facet(wi_, wo_); }
