@@ -12,7 +12,7 @@ import numpy as np
 import microfacet as mf
 from microfacet._report._figures import FigureBlock
 from microfacet._report._terrain import length, relief_map
-from microfacet._report.fit import _figures
+from microfacet._report.fit import _figures, _lobes
 
 __all__ = ["Content", "collect"]
 
@@ -48,6 +48,7 @@ class Content:
     slopes: tuple[FigureBlock, ...]
     scales: FigureBlock | None
     predictions: tuple[Any, ...]
+    lobes: FigureBlock
     titles: dict[str, str]
     roughness: tuple[tuple[str, str], ...]
 
@@ -75,6 +76,7 @@ def collect(fitted: Any, command: str, progress: Callable[[str, int, int], None]
         slopes=tuple(blocks),
         scales=_figures.scale_figure(fitted.scales, titles) if fitted.scales else None,
         predictions=tuple(fitted.predictions),
+        lobes=_lobes.lobe_figure(fitted.results, titles),
         titles={result.family: titles[result.family] for result in fitted.results},
         roughness=_roughness(fitted.roughness) if fitted.roughness else (),
     )

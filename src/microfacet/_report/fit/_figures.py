@@ -19,6 +19,7 @@ from scipy.optimize import brentq
 from microfacet import plot
 from microfacet._report._figures import REFERENCE, FigureBlock, panel
 from microfacet._report._svg import INK, inline_svg
+from microfacet._report._terrain import length
 
 __all__ = ["scale_figure", "slope_figures"]
 
@@ -79,7 +80,7 @@ def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
             reach = lengths[: len(scales.noise_lags)]
             start = _mean_alpha(by_lag[0][names[0]].params)
             ax.plot(reach, 0.8 * start * reach[0] / reach, label="noise: 1/lag", **REFERENCE)
-        _axes_of_scales(ax, r"$\sqrt{\alpha_x \alpha_y}$")
+        _axes_of_scales(ax, lengths, r"$\sqrt{\alpha_x \alpha_y}$")
 
     def shape(ax: Axes) -> None:
         for name in names:
@@ -88,7 +89,7 @@ def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
                 values = [fits[name].params[own[0]] for fits in by_lag]
                 errors = np.nan_to_num([fits[name].standard_errors[own[0]] for fits in by_lag])
                 ax.errorbar(lengths, values, yerr=errors, marker="o", markersize=4, **_look(name, titles))
-        _axes_of_scales(ax, r"$\gamma$, $a$")
+        _axes_of_scales(ax, lengths, r"$\gamma$, $a$")
 
     panels = [panel("scalea", "Roughness of each family against the lag", roughness)]
     if any(key in result.params for result in scales.results[0] for key in ("gamma", "a")):
@@ -101,8 +102,11 @@ def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
     )
 
 
-def _axes_of_scales(ax: Axes, label: str) -> None:
-    ax.set(xscale="log", yscale="log", xlabel="lag in metres", ylabel=label)
+def _axes_of_scales(ax: Axes, lengths: Vector, label: str) -> None:
+    ax.set(xscale="log", yscale="log", xlabel="lag", ylabel=label)
+    shown = lengths[:: 1 + len(lengths) // 5]
+    ax.set_xticks(shown, [length(one) for one in shown])
+    ax.xaxis.set_minor_locator(NullLocator())
     low, high = ax.get_ylim()
     ticks = [step * 10.0**power for power in range(-9, 10) for step in (1, 2, 5)]
     seen = [tick for tick in ticks if low <= tick <= high]
