@@ -1,0 +1,56 @@
+"""Distributions, materials and directions that the tests of materials share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import microfacet as mf
+
+Array = NDArray[Any]
+
+SHAPES = {"gtr": {"gamma": 1.5}, "student_t": {"gamma": 2.5}, "bessel_k": {"a": 0.7}}
+COPPER = ([0.2, 1.04, 1.18], [3.9, 2.6, 2.4])
+ETAS = (1.5, 0.7)
+
+
+def of_family(name: str, alpha: float) -> Any:
+    """An isotropic distribution of the family `name`."""
+    family = next(f for f in mf.families() if f.name == name)
+    return family.cls(alpha=alpha, **SHAPES.get(name, {}))
+
+
+def stretched(name: str, alpha_x: float = 0.3, alpha_y: float = 0.6, rotation: float = 0.4) -> Any:
+    """One that is anisotropic and turned, where the family can be; else of the rounder axis."""
+    family = next(f for f in mf.families() if f.name == name)
+    if not family.anisotropic:
+        return of_family(name, alpha_x)
+    return family.cls(alpha_x=alpha_x, alpha_y=alpha_y, rotation=rotation, **SHAPES.get(name, {}))
+
+
+FAMILIES = [family.name for family in mf.families()]
+
+
+def towards(degrees: float, azimuth: float = 0.0) -> Array:
+    """A unit direction; exact where the angle is 0, 90 or 180."""
+    s, c = np.sin(np.radians(degrees)), np.sin(np.radians(90.0 - degrees))
+    return np.array([s * np.cos(np.radians(azimuth)), s * np.sin(np.radians(azimuth)), c])
+
+
+def directions(n: int, seed: int = 1, side: int = 0) -> Array:
+    """Evenly over the sphere, or over one side of it."""
+    w = np.random.default_rng(seed).normal(size=(n, 3))
+    w /= np.linalg.norm(w, axis=-1, keepdims=True)
+    if side:
+        w[:, 2] = side * np.abs(w[:, 2])
+    return w
+
+
+def mirrored(wi: Array, m: Array) -> Array:
+    return np.asarray(2.0 * np.sum(wi * m, axis=-1, keepdims=True) * m - wi)
+
+
+def unit(v: Array) -> Array:
+    return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))
