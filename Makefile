@@ -77,8 +77,17 @@ docs-accuracy: $(VENV)/.package $(VENV)/.test  ## measure the accuracy again and
 docs-sampling: $(VENV)/.package $(VENV)/.test  ## test every sampler of the full grid and write docs/sampling_tests.md (half an hour)
 	$(BIN)/python tools/measure_sampling.py $(ARGS)
 
+docs-furnace: $(VENV)/.package $(VENV)/.test  ## measure every white furnace and write docs/furnace.md (an hour)
+	$(BIN)/python tools/measure_furnace.py $(ARGS)
+
 fit-coverage: $(VENV)/.package $(VENV)/.test  ## fit known slopes 200 times each and write docs/fitting_tests.md (some minutes)
 	$(BIN)/python tools/measure_fits.py $(ARGS)
+
+bench-materials: $(VENV)/.package $(VENV)/.bench  ## materials beside Mitsuba's, and walks per second
+	$(BIN)/python -m benchmarks materials $(ARGS)
+
+docs-traced: $(VENV)/.package $(VENV)/.bench  ## trace explicit surfaces, compare with the walk, write docs/traced_surface.md
+	$(BIN)/python tools/trace_surface.py $(ARGS)
 
 bench-fit: $(VENV)/.package $(VENV)/.bench  ## the fit beside the same likelihoods in SciPy (some minutes)
 	$(BIN)/python -m benchmarks.fitting $(ARGS)
@@ -131,4 +140,4 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	@touch $@
 
 .PHONY: report install test test-cpp sanitize headers lint format bench bench-check docs-accuracy docs-sampling \
-  fit-coverage bench-fit clean help
+  docs-furnace docs-traced bench-materials fit-coverage bench-fit clean help

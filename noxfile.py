@@ -12,6 +12,6 @@ def delegate(target: str) -> None:
         session.run("make", target, *session.posargs, external=True)
 
 
-TARGETS = ("report", "lint", "format", "headers", "sanitize", "test", "docs-accuracy", "docs-sampling")
-for target in (*TARGETS, "fit-coverage", "bench-fit"):
+DOCUMENTS = ("docs-accuracy", "docs-sampling", "docs-furnace", "docs-traced", "fit-coverage")
+for target in ("report", "lint", "format", "headers", "sanitize", "test", *DOCUMENTS, "bench-fit", "bench-materials"):
     delegate(target)
