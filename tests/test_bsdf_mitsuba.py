@@ -64,7 +64,7 @@ def test_metal(mitsuba: Any, family: str) -> None:
 
 
 def well_conditioned(side: Array, through: Array) -> Array:
-    """Apart from the critical angle and from grazing facets, where cosines of single precision lose digits."""
+    """Apart from the critical angle and grazing facets, where cosines in single precision lose digits."""
     eta = np.where(side > 0.0, ETA, 1.0 / ETA)
     m = unit(np.where(through[:, None], I + eta[:, None] * O, I + O))
     i, o = np.abs(np.sum(I * m, axis=-1)), np.abs(np.sum(O * m, axis=-1))
