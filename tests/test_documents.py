@@ -54,7 +54,10 @@ def test_accuracy_is_documented_for_every_function() -> None:
         assert re.search(rf"\b{name}\b", text), name
 
 
-@pytest.mark.parametrize("document", ["README.md", "docs/sampling.md", "docs/surfaces.md", "docs/fitting.md"])
+DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in ("sampling", "materials", "surfaces", "fitting")))
+
+
+@pytest.mark.parametrize("document", DOCUMENTS)
 def test_the_code_of_a_document_runs(
     document: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

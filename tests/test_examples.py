@@ -16,7 +16,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples" / "python"
     [
         ("compare_families.py", "Student-T"),
         ("fit_surface.py", "nats per slope"),
-        ("furnace_sphere.py", "K0        multiple mean light 1.0"),
+        ("furnace_sphere.py", "GGX       single   mean light 0.5"),
         ("lobes.py", "diffuse facets  all       largest"),
         ("check_a_sampler.py", "one percent too rough  89 degrees: chi-square fails"),
     ],
