@@ -13,5 +13,15 @@ def delegate(target: str) -> None:
 
 
 DOCUMENTS = ("docs-accuracy", "docs-sampling", "docs-furnace", "docs-traced", "fit-coverage")
-for target in ("report", "lint", "format", "headers", "sanitize", "test", *DOCUMENTS, "bench-fit", "bench-materials"):
+for target in (
+    "report",
+    "lint",
+    "format",
+    "headers",
+    "sanitize",
+    "test",
+    *DOCUMENTS,
+    "bench-fit",
+    "bench-materials",
+):
     delegate(target)

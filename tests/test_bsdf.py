@@ -317,7 +317,6 @@ def test_hostile_uniform_numbers(family: str, dtype: type) -> None:
             np.testing.assert_allclose(np.linalg.norm(wo, axis=-1), 1.0, rtol=1e-5)
 
 
-@pytest.mark.xfail(strict=True, reason="no facet is seen from there: sigma = 0")
 @each_family
 def test_straight_from_below(family: str) -> None:
     metal = mf.Conductor(stretched(family))
@@ -327,7 +326,6 @@ def test_straight_from_below(family: str) -> None:
     assert np.linalg.norm(wo) == pytest.approx(1.0)
 
 
-@pytest.mark.xfail(strict=True, reason="0 times or over an infinite density")
 @pytest.mark.parametrize("ndf", [mf.K0(alpha=0.3), mf.BesselK(alpha=0.3, a=0.7)], ids=repr)
 def test_where_the_density_is_infinite(ndf: Any) -> None:
     up = np.array([0.0, 0.0, 1.0])

@@ -16,7 +16,7 @@ import pytest
 
 import microfacet as mf
 from microfacet import _checks, _report
-from microfacet._report import _figures, _formulas, _mathml, _page, _parameters, _sampling, _svg
+from microfacet._report import _figures, _formulas, _materials, _mathml, _page, _parameters, _sampling, _svg
 from microfacet._report._sources import SOURCES
 
 ROOT = Path(__file__).parent.parent
@@ -373,8 +373,25 @@ def test_both_samplers_estimate_the_same_light_and_visible_normals_with_less_noi
             assert seen[1] < every[1]
 
 
-def test_the_metal_reflects_as_metals_do() -> None:
-    """At normal incidence ((n - 1)^2 + k^2)/((n + 1)^2 + k^2), everything at grazing incidence."""
-    n, k = _sampling.METAL
-    assert _sampling._fresnel(np.array(1.0)) == pytest.approx(((n - 1) ** 2 + k * k) / ((n + 1) ** 2 + k * k))
-    assert _sampling._fresnel(np.array(0.0)) == pytest.approx(1.0)
+# Materials
+
+
+def test_materials_have_their_figures(page: Page) -> None:
+    shown = {element["attrs"]["id"] for element in page.all("figure")}
+    for family in ("k0", "beckmann"):
+        assert {f"fig-{family}-{what}" for what in ("lobes", "albedo", "furnace")} <= shown
+
+
+def test_light_that_meets_one_facet_is_the_albedo_of_one_order() -> None:
+    points = np.random.default_rng(3).random((100_000, 3))
+    for ndf in (mf.GGX(alpha=0.8), mf.K0(alpha=0.8)):
+        shares = _materials.shares_of_orders(ndf, 60.0)
+        assert sum(shares) == pytest.approx(1.0)
+        assert shares[0] == pytest.approx(_materials.single_albedo(ndf, 60.0, points), abs=0.025)
+
+
+def test_a_white_sphere_vanishes_when_all_orders_are_seen() -> None:
+    one, every = (_materials.furnace_picture(mf.GGX(alpha=0.8), s, 24, 60) for s in ("single", "multiple"))
+    assert np.isnan(every[0, 0])
+    assert np.nanmean(every) == pytest.approx(1.0, abs=0.03)
+    assert np.nanmean(one) < 0.6

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from microfacet import _checks
-from microfacet._report import _cross, _figures, _formulas, _parameters, _sampling, _svg
+from microfacet._report import _cross, _figures, _formulas, _materials, _parameters, _sampling, _svg
 from microfacet._report._figures import FigureBlock
 
 __all__ = ["CheckGroup", "Content", "FamilySection", "collect"]
 
-_FIGURES_PER_FAMILY = 8
+_FIGURES_PER_FAMILY = 11
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,11 @@ def collect(
         for family in families:
             figures = []
             example = _parameters.example(family, parameters)
-            drawn = (_figures.family_figures(family, example), _sampling.sampling_figures(family, example))
+            drawn = (
+                _figures.family_figures(family, example),
+                _sampling.sampling_figures(family, example),
+                _materials.material_figures(family, example),
+            )
             for figure in itertools.chain(*drawn):
                 step(f"{family.title}: figures")
                 figures.append(figure)

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+import microfacet as mf
 from microfacet import plot
 from microfacet._report._figures import REFERENCE, SERIES, FigureBlock, panel
 from microfacet._report._parameters import Example
@@ -137,14 +138,6 @@ def _picture(family: Any, ndf: Any) -> FigureBlock:
     )
 
 
-def _fresnel(cosine: Array) -> Array:
-    """Reflectance of the metal for unpolarised light: Fresnel's equations with a complex index."""
-    square = complex(*METAL) ** 2
-    root = np.sqrt(square - 1.0 + cosine**2)
-    across, along = (cosine - root) / (cosine + root), (square * cosine - root) / (square * cosine + root)
-    return np.asarray(0.5 * (np.abs(across) ** 2 + np.abs(along) ** 2))
-
-
 def conductor_noise(ndf: Any, degrees: float, visible: bool, points: Array) -> tuple[float, float]:
     """Mean and standard deviation of the light that one sample of a metal reflects under a white sky."""
     w = _towards(degrees)
@@ -156,7 +149,7 @@ def conductor_noise(ndf: Any, degrees: float, visible: bool, points: Array) -> t
     cosine, wo, z = cosine[reflected], wo[reflected], m[reflected, 2]
     factor = 1.0 / ndf.G1(w) if visible else cosine / (w[2] * z)
     weights = np.zeros(len(points))
-    weights[reflected] = _fresnel(cosine) * ndf.G2(w, wo) * factor
+    weights[reflected] = mf.fresnel_conductor(cosine, *METAL) * ndf.G2(w, wo) * factor
     return float(weights.mean()), float(weights.std())
 
 
