@@ -44,6 +44,6 @@ def lobe_figure(results: Sequence[Any], titles: dict[str, str]) -> FigureBlock:
             for degrees in _INCIDENCES
         ),
         f"What the surface would reflect if it were a perfect mirror, along x, of light from "
-        f"{_INCIDENCES[0]}° and {_INCIDENCES[1]}° (its mirror image is the thin line): single scattering with "
-        "correlated masking. Where the curves part, the choice of the family is seen.",
+        f"{_INCIDENCES[0]}° and {_INCIDENCES[1]}° (its mirror image is the thin line): single scattering "
+        "with correlated masking. Where the curves part, the choice of the family is seen.",
     )
