@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -31,7 +30,7 @@ ORDERS = 4
 
 @dataclass(frozen=True)
 class Lobe:
-    """Shares of the light: by order (the last for all higher ones), and by direction; and of how many rays."""
+    """Shares of the light by order (the last for all higher ones) and by direction, and of how many rays."""
 
     orders: Array
     cells: Array
@@ -130,18 +129,14 @@ def walked(alpha: float, wi: Array, rays: int) -> Lobe:
     return lobe(wo, order)
 
 
-def compare(alpha: float, degrees: float, rays: int) -> tuple[float, Lobe, Lobe]:
-    """The alpha of the map, and both lobes, from several maps."""
+def compare(fields: list[Field], degrees: float, rays: int) -> tuple[float, Lobe, Lobe]:
+    """The alpha of the maps, and both lobes."""
     theta = np.radians(degrees)
     wi = np.array([np.sin(theta), 0.0, np.cos(theta)])
-    directions, orders, alphas = [], [], []
-    for seed in range(4):
-        field = Field(alpha, seed)
-        wo, order = field.trace(wi, rays // 4, seed)
-        directions.append(wo), orders.append(order), alphas.append(field.alpha)
-    traced = lobe(np.concatenate(directions), np.concatenate(orders))
-    measured = float(np.mean(alphas))
-    return measured, traced, walked(measured, wi, rays)
+    traced = [field.trace(wi, rays // len(fields), seed) for seed, field in enumerate(fields)]
+    directions, orders = (np.concatenate(parts) for parts in zip(*traced, strict=True))
+    alpha = float(np.mean([field.alpha for field in fields]))
+    return alpha, lobe(directions, orders), walked(alpha, wi, rays)
 
 
 INTRODUCTION = """\
@@ -185,9 +180,10 @@ def main(rays: int, output: Path | None) -> None:
     cells = CELLS[0] * CELLS[1]
     text = INTRODUCTION.format(pixels=PIXELS, correlation=CORRELATION, rays=rays, cells=cells)
     for alpha in (0.3, 0.6, 1.0):
+        fields = [Field(alpha, seed) for seed in range(4)]
         for degrees in (0.0, 45.0, 75.0):
-            result: Any = compare(alpha, degrees, rays)
-            line = row(result[0], degrees, result[1], result[2])
+            measured, traced, walk = compare(fields, degrees, rays)
+            line = row(measured, degrees, traced, walk)
             click.echo(line, nl=False)
             text += line
     target = output or ROOT / "docs" / "traced_surface.md"
