@@ -1,4 +1,4 @@
-"""Trace light over explicit Gaussian surfaces and compare with the random walk: writes docs/traced_surface.md.
+"""Trace light over explicit Gaussian surfaces, compare with the random walk: writes docs/traced_surface.md.
 
     python tools/trace_surface.py [--rays 4000000] [--output docs/traced_surface.md]
 
