@@ -24,6 +24,7 @@ PIXELS = 1536
 CORRELATION = 16  # pixels: facets are small beside the undulations that they make up
 MARGIN = 0.25  # of the map on each side, in which no light is shot
 MOST = 64  # facets
+OFFSET = 0.01  # pixels off a facet, well above the rounding of coordinates in single precision
 CELLS = (6, 8)  # of cos(theta)^2 and azimuth, of equal projected area
 ORDERS = 4
 
@@ -87,7 +88,7 @@ class Field:
             d = direction[alive]
             cosine = np.sum(d * normal, axis=1, keepdims=True)
             direction[alive] = d - 2 * cosine * normal
-            origin[alive] = at + 1e-3 * normal
+            origin[alive] = at + OFFSET * normal
             met[alive] += 1
         return direction, met
 

@@ -31,11 +31,11 @@ vec3<T> reflect(const vec3<T>& w, const vec3<T>& m) {
 }
 
 // The direction in which light from w passes on, where cosine_t is the cosine behind the facet
-// (fresnel_dielectric).
+// (fresnel_dielectric). Of unit length whatever rounding made of w, so that walks do not drift.
 template <class T>
 vec3<T> refract(const vec3<T>& w, const vec3<T>& m, const T& eta, const T& cosine_t) {
   const T inverse = T(1) / eta;
-  return along(scaled(w, T(-inverse)), m, T(dot(w, m) * inverse - cosine_t));
+  return unit(along(scaled(w, T(-inverse)), m, T(dot(w, m) * inverse - cosine_t)));
 }
 
 // A normal along h; where there is none, one that no facet has.
