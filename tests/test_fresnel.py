@@ -53,24 +53,14 @@ def cosines(rng: np.random.Generator, n: int) -> Array:
 def around_the_critical_angle(rng: np.random.Generator, n: int, closest: float) -> tuple[Array, Array]:
     eta = log_uniform(rng, 0.1, 0.95, n)
     side = rng.choice([-1.0, 1.0], n)
-    cosine = np.sqrt(1.0 - eta**2) * (1.0 + side * log_uniform(rng, closest, 0.05, n))
-    return np.minimum(cosine, 1.0), eta
-
-
-def apart_from_critical(cosine: Array, eta: Array) -> NDArray[np.bool_]:
-    inside = eta.astype(np.float64) ** 2 - 1.0 + cosine.astype(np.float64) ** 2
-    return np.asarray(abs(inside) > 0.03 * np.minimum(eta, 1.0) ** 2)
+    return np.minimum(np.sqrt(1.0 - eta**2) * (1.0 + side * log_uniform(rng, closest, 0.05, n)), 1.0), eta
 
 
 @each_dtype
 def test_dielectric(dtype: type) -> None:
     rng = np.random.default_rng(1)
     eta = log_uniform(rng, 0.1, 10.0, 1200).astype(dtype)
-    eta = eta[abs(np.log(eta)) > 0.1]
     cosine = cosines(rng, len(eta)).astype(dtype)
-    apart = apart_from_critical(cosine, eta)
-    cosine, eta = cosine[apart], eta[apart]
-    assert len(eta) > 1000
     assert relative_error(mf.fresnel_dielectric(cosine, eta), cosine, eta) < CONTRACT[dtype]
 
 
@@ -82,6 +72,7 @@ def test_dielectric_around_the_critical_angle(dtype: type) -> None:
     assert np.any(values < 0.9)
     assert np.any(values == 1.0)
     assert relative_error(values, cosine, eta) < CONTRACT[dtype]
+    assert relative_error(mf.fresnel_conductor(cosine, eta, 0 * eta), cosine, eta) < CONTRACT[dtype]
 
 
 @each_dtype
@@ -99,9 +90,6 @@ def test_conductor(dtype: type) -> None:
     eta = log_uniform(rng, 0.01, 20.0, 1200).astype(dtype)
     k = np.where(rng.random(1200) < 0.2, 0.0, log_uniform(rng, 1e-3, 100.0, 1200)).astype(dtype)
     cosine = cosines(rng, 1200).astype(dtype)
-    differ = (abs(eta - 1.0) + k > 0.3) & ((k > 0.0) | apart_from_critical(cosine, eta))
-    cosine, eta, k = cosine[differ], eta[differ], k[differ]
-    assert np.sum(k == 0.0) > 150
     assert relative_error(mf.fresnel_conductor(cosine, eta, k), cosine, eta, k) < CONTRACT[dtype]
 
 
