@@ -133,6 +133,39 @@ def test_samples_and_values_are_one_measure(family: str, name: str) -> None:
 
 
 @each_family
+def test_wavelengths_of_a_walk_have_their_own_light(family: str) -> None:
+    """Roulette stops some of them sooner; their directions are common."""
+    case = Furnace("metal", family, 1.2, 55.0)
+    eta, k = [0.2, 1.4, np.inf], [3.9, 0.3, 0.0]
+    metal = mf.Conductor(case.ndf, eta, k, scattering="multiple")
+    walked, weight, facets = metal.walk(np.broadcast_to(case.wi, (EVALUATIONS // 2, 3)), rng=40)
+    assert weight.shape == (EVALUATIONS // 2, 3)
+    assert facets.shape == (EVALUATIONS // 2,)
+    assert np.all(weight[:, 2] == 1.0)
+    assert np.all(walked[:, 2] > 0.0)
+    wo, density = case.propose(EVALUATIONS // 3, np.random.default_rng(41))
+    value = metal.eval(case.wi, wo, rng=42) / density[:, None]
+    for g in FUNCTIONS:
+        agree(mean(weight * g(walked)[:, None]), mean(value * g(wo)[:, None]))
+
+
+@each_family
+def test_diffuse_facets_of_one_order(family: str) -> None:
+    case = Furnace("diffuse", family, 0.8, 40.0)
+    one, every = (mf.Diffuse(case.ndf, 0.9, scattering=s) for s in ("single", "multiple"))
+    wi = np.broadcast_to(case.wi, (EVALUATIONS // 2, 3))
+    walked, weight, density = one.sample(wi, rng=43)
+    _, _, facets = every.walk(wi, rng=43)
+    np.testing.assert_array_equal(weight, np.where(facets == 1, 0.9, 0.0))
+    np.testing.assert_allclose(density, np.maximum(walked[:, 2], 0.0) / np.pi, rtol=1e-14)
+    wo, density = case.propose(EVALUATIONS // 3, np.random.default_rng(44))
+    value = one.eval(case.wi, wo, rng=45)
+    np.testing.assert_array_equal(value, every.eval(case.wi, wo, rng=45, orders=(1, 1)))
+    for g in FUNCTIONS:
+        agree(mean(weight * g(walked)), mean(value / density * g(wo)))
+
+
+@each_family
 def test_orders_add_up(family: str) -> None:
     """The same seed means the same walks."""
     wi, wo = directions(300, 7), directions(300, 8)
@@ -278,8 +311,9 @@ def test_generators_go_on() -> None:
 
 @pytest.mark.skipif(len(FUSED) < 2, reason="one build with fused arithmetic runs here")
 @each_family
-def test_fused_builds_walk_alike(family: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    ndf, wi, wo = stretched(family), directions(700, 27), directions(700, 28)
+@each_dtype
+def test_fused_builds_walk_alike(family: str, dtype: type, monkeypatch: pytest.MonkeyPatch) -> None:
+    ndf, wi, wo = stretched(family), directions(700, 27).astype(dtype), directions(700, 28).astype(dtype)
     results = []
     for name in FUSED:
         monkeypatch.setattr(type(ndf), "kernels", getattr(BUILDS[name], family))
