@@ -1,0 +1,97 @@
+"""Light that leaves after one facet, as an integral over the facets' slopes.
+
+A sum over directions would have to find the lobe; the normals are where the distribution says. `slopes.py`
+cuts their plane into pieces in which the integrand is smooth, and Gauss's rule does the rest.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microfacet._bsdf.slopes import Panels, panels
+
+if TYPE_CHECKING:
+    from microfacet._bsdf.material import Material
+
+__all__ = ["Leaving", "leaving"]
+
+Array = NDArray[np.float64]
+
+_AGREED = 1e-7  # of two levels, the finer of which has then far less
+_LEVELS = 6
+_DIRECTIONS = 16  # at a time, and
+_NODES = 1 << 17  # of these: some tens of megabytes
+
+
+class Leaving(NamedTuple):
+    """Parts of the light, of shape (directions, channels), and the difference of the last two levels."""
+
+    reflected: Array
+    passed: Array
+    error: Array
+
+
+def leaving(material: Material, wi: Array) -> Leaving:
+    """Parts of the light from `wi` (directions, 3), not along the surface, that leave after one facet."""
+    channels = int(np.prod(material._channels, dtype=np.int64))
+    found = np.zeros((len(wi), 2, channels))
+    error = np.full((len(wi), channels), np.inf)
+    open_ = np.arange(len(wi))
+    for level in range(_LEVELS):
+        for first in range(0, len(open_), _DIRECTIONS):
+            some = open_[first : first + _DIRECTIONS]
+            finer = _level(material, wi[some], level, channels)
+            if level > 0:
+                error[some] = np.abs(finer - found[some]).max(axis=1)
+            found[some] = finer
+        open_ = open_[~(error[open_] <= _AGREED).all(axis=1)]
+    return Leaving(found[:, 0], found[:, 1], error)
+
+
+def _level(material: Material, wi: Array, level: int, channels: int) -> Array:
+    """Reflected and passed, (directions, 2, channels), by rules that get finer with the level."""
+    nodes, weights = np.polynomial.legendre.leggauss(8 + 4 * level)
+    nodes, weights = (nodes + 1) / 2, weights / 2
+    critical = _critical(material, wi)
+    above = np.where(wi[:, 2:] < 0, -wi, wi)  # the kernels' coordinates
+    result = np.zeros((len(wi), 2, channels))
+    for passes in (False, True) if material._transmits else (False,):
+        pieces = panels(material.ndf, above, critical, passes, level)
+        size = max(1, _NODES // (len(nodes) * channels))
+        for first in range(0, len(pieces.weight), size):
+            part = pieces.cut(first, first + size)
+            sums = _integrate(material, wi, part, passes, nodes, weights)
+            for channel in range(channels):
+                result[:, int(passes), channel] += np.bincount(part.direction, sums[:, channel], len(wi))
+    return result
+
+
+def _critical(material: Material, wi: Array) -> Array:
+    """Cosine of the angle beyond which a facet reflects all; 0 where there is none."""
+    if not material._transmits:
+        return np.zeros(len(wi))
+    eta = float(material._constants[0])
+    relative = np.where(wi[:, 2] > 0, eta, 1 / eta)
+    return np.asarray(np.sqrt(np.maximum(0.0, 1 - relative**2)))
+
+
+def _integrate(
+    material: Material, wi: Array, pieces: Panels, passes: bool, nodes: Array, weights: Array
+) -> Array:
+    """The integral over each panel, (panels, channels)."""
+    # Where a square root or a power ends, s = v^2 (3 - 2 v) makes it smooth.
+    singular = pieces.singular[:, np.newaxis]
+    at = np.where(singular, nodes**2 * (3 - 2 * nodes), nodes)
+    jacobian = np.where(singular, 6 * nodes * (1 - nodes), 1.0) * weights
+    width = (pieces.end - pieces.begin)[:, np.newaxis]
+    r = np.exp(pieces.begin[:, np.newaxis] + width * at)
+    p, q = pieces.along_x[:, np.newaxis] * r, pieces.along_y[:, np.newaxis] * r
+    z = 1 / np.sqrt(1 + p * p + q * q)
+    directions = [np.broadcast_to(w[pieces.direction, np.newaxis], r.shape) for w in wi.T]
+    correlated = float(getattr(material, "correlated", True))
+    light = material._of("facets", [*directions, -p * z, -q * z, z], (correlated,))[int(passes)]
+    measure = jacobian * width * r * r * z**3 * pieces.weight[:, np.newaxis]  # dm = z^3 dp dq
+    return np.asarray(np.einsum("ij,ijc->ic", measure, light.reshape(*r.shape, -1)))
