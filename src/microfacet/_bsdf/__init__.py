@@ -1,11 +1,14 @@
 """Materials of microfacets: what facets of a distribution do with light.
 
-Nothing is computed here. `fresnel.py` is one smooth interface, `material.py` what all materials share
-(shapes, random walks), `conductor.py`, `dielectric.py` and `diffuse.py` the materials.
+`fresnel.py` is one smooth interface, `material.py` what all materials share (shapes, random walks),
+`conductor.py`, `dielectric.py` and `diffuse.py` the materials. What they scatter the compiled core computes;
+`albedo.py` sums it up (`quadrature.py`, over the regions of `slopes.py`), and `compensation.py` adds what is
+missing of single scattering.
 """
 
 from __future__ import annotations
 
+from microfacet._bsdf.compensation import KullaConty, Turquin
 from microfacet._bsdf.conductor import Conductor
 from microfacet._bsdf.dielectric import Dielectric
 from microfacet._bsdf.diffuse import Diffuse
@@ -16,7 +19,9 @@ __all__ = [
     "Conductor",
     "Dielectric",
     "Diffuse",
+    "KullaConty",
     "Material",
+    "Turquin",
     "fresnel_average",
     "fresnel_conductor",
     "fresnel_dielectric",
