@@ -1,7 +1,7 @@
 """Compensation lobes against the walk: prints the table of docs/compensation.md (some minutes).
 
-Over directions wo drawn from cos/pi the part beyond the first order is compared with two independent estimates of
-the walk's, whose product has no bias from their noise: rms^2 = E[(c - a)(c - b)] / E[a b].
+Over directions wo drawn from cos/pi, f is compared with two independent estimates a and b of the walk's,
+whose product has no bias from their noise: rms^2 = E[(f - a)(f - b)] / E[a b].
 """
 
 from __future__ import annotations

@@ -30,6 +30,7 @@ from microfacet._radial import RadialNDF
 
 if TYPE_CHECKING:
     from microfacet import testing
+    from microfacet._bake import bake
     from microfacet._bsdf import (
         Conductor,
         Dielectric,
@@ -78,6 +79,7 @@ __all__ = [
     "TableFit",
     "Turquin",
     "__version__",
+    "bake",
     "beckmann",
     "bessel_k",
     "families",
@@ -112,6 +114,7 @@ _LAZY = {
     "fresnel_average": "microfacet._bsdf",
     "fresnel_conductor": "microfacet._bsdf",
     "fresnel_dielectric": "microfacet._bsdf",
+    "bake": "microfacet._bake",
     "FitResult": "microfacet._fit",
     "Goodness": "microfacet._fit",
     "ScaleFit": "microfacet._fit",

@@ -14,6 +14,7 @@ from typing import Any
 import click
 
 import microfacet as mf
+from microfacet._console.bake import bake
 from microfacet._console.fit_command import fit_files, fit_options
 from microfacet._console.program import (
     Program,
@@ -283,6 +284,7 @@ def families(as_json: bool) -> None:
 
 
 main.add_command(synthesize)
+main.add_command(bake)
 
 
 if __name__ == "__main__":

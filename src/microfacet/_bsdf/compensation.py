@@ -61,7 +61,7 @@ class _Energy:
             entries = table[name].values
             if not entries.min() <= value <= entries.max():
                 raise ValueError(
-                    f"{owner}: {name} of the table lies in [{entries.min():g}, {entries.max():g}], got {value:g}"
+                    f"{owner}: the table has {name} in [{entries.min():g}, {entries.max():g}], got {value:g}"
                 )
         several = {name: value for name, value in at.items() if table.sizes[name] > 1}
         single = {name: 0 for name in at if name not in several}

@@ -1,0 +1,11 @@
+"""Tables of materials: albedos, missing energy, f itself, over grids of angles and parameters.
+
+`recipe.py` is what a table is, `cell.py` the part of it with one roughness, `journal.py` keeps the parts that
+are done, `run.py` computes the others and writes the whole.
+"""
+
+from __future__ import annotations
+
+from microfacet._bake.run import bake
+
+__all__ = ["bake"]

@@ -1,0 +1,179 @@
+"""What a table is: its kind, its grids, and everything else that its numbers depend on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import microfacet as mf
+
+__all__ = ["KINDS", "Recipe", "grid", "recipe"]
+
+KINDS = ("albedo", "energy", "bsdf")
+MATERIALS = ("conductor", "dielectric")
+Grid = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """All that the numbers of a table depend on; grids are tuples of float64."""
+
+    kind: str
+    family: str
+    material: str
+    alpha: Grid
+    shape_name: str  # of the family's shape parameter, or empty
+    shape: Grid
+    eta: Grid  # of a dielectric; of a conductor its one value
+    k: float
+    cos_theta: Grid
+    azimuth: Grid
+    scattering: str
+    walks: int
+    seed: int
+
+    @property
+    def outer(self) -> dict[str, Grid]:
+        """The grids whose points are cells: computed, and kept, one by one."""
+        axes = {"alpha": self.alpha}
+        if self.shape_name:
+            axes[self.shape_name] = self.shape
+        if self.material == "dielectric":
+            axes["eta"] = self.eta
+        return axes
+
+    @property
+    def inner(self) -> dict[str, Grid]:
+        """The grids of directions."""
+        if self.kind != "bsdf":
+            return {"cos_theta": self.cos_theta}
+        below = tuple(-c for c in reversed(self.cos_theta)) if self.material == "dielectric" else ()
+        return {"cos_theta_i": self.cos_theta, "cos_theta_o": below + self.cos_theta, "azimuth": self.azimuth}
+
+    @property
+    def variables(self) -> dict[str, bool]:
+        """Names of the results, and whether they depend on the direction."""
+        if self.kind == "energy":
+            return {"missing": True, "missing_average": False}
+        if self.kind == "bsdf":
+            return {"f": True}
+        if self.material == "conductor":
+            return {"single": True, "multiple": True, "multiple_error": True}
+        parts = ("reflected", "transmitted")
+        names = [f"{order}_{part}" for order in ("single", "multiple") for part in parts]
+        return dict.fromkeys([*names, "multiple_error"], True)
+
+    @property
+    def cells(self) -> int:
+        """How many there are."""
+        return math.prod(len(axis) for axis in self.outer.values())
+
+    @property
+    def cell_shape(self) -> tuple[int, ...]:
+        """Of the arrays in a cell."""
+        return tuple(len(axis) for axis in self.inner.values())
+
+    @property
+    def bytes(self) -> int:
+        """Of the table, and a copy of it that is being written."""
+        return 2 * 8 * self.cells * math.prod(self.cell_shape) * len(self.variables)
+
+    def cell_parameters(self, cell: int) -> dict[str, float]:
+        """Roughness, shape and eta of a cell."""
+        axes = self.outer
+        at = np.unravel_index(cell, [len(axis) for axis in axes.values()])
+        return {name: axis[int(i)] for (name, axis), i in zip(axes.items(), at, strict=True)}
+
+    def ndf(self, cell: int) -> Any:
+        """The distribution of a cell."""
+        cls = next(family.cls for family in mf.families() if family.name == self.family)
+        return cls(**{name: value for name, value in self.cell_parameters(cell).items() if name != "eta"})
+
+    def optics(self, cell: int, scattering: str) -> Any:
+        """The material of a cell."""
+        if self.material == "dielectric":
+            eta = self.cell_parameters(cell)["eta"]
+            return mf.Dielectric(self.ndf(cell), eta, mode="importance", scattering=scattering)
+        return mf.Conductor(self.ndf(cell), self.eta[0], self.k, scattering=scattering)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For a file: equal where the tables are."""
+        return {key: list(v) if isinstance(v, tuple) else v for key, v in asdict(self).items()}
+
+
+def grid(name: str, values: ArrayLike) -> Grid:
+    """Increasing, finite numbers; or one sentence that says what is wrong."""
+    try:
+        array = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise ValueError(f"bake: {name} must be numbers, got {values!r:.80}") from None
+    if array.ndim != 1 or not array.size or np.isnan(array).any() or not np.all(np.diff(array) > 0):
+        raise ValueError(f"bake: {name} must be increasing numbers, at least one, got {values!r:.80}")
+    return tuple(array.tolist())
+
+
+def recipe(
+    kind: str,
+    family: str,
+    *,
+    alpha: ArrayLike,
+    shape: ArrayLike | None,
+    material: str,
+    eta: ArrayLike | None,
+    k: float,
+    cos_theta: ArrayLike | int,
+    azimuth: ArrayLike | int,
+    scattering: str,
+    walks: int,
+    seed: int,
+) -> Recipe:
+    """The recipe of these arguments, or one sentence that says which of them is wrong."""
+    known = {entry.name: entry for entry in mf.families()}
+    _one_of("kind", kind, KINDS)
+    _one_of("family", family, known)
+    _one_of("material", material, MATERIALS)
+    _one_of("scattering", scattering, ("single", "multiple"))
+    for name, value, lowest in (("walks", walks, 1), ("seed", seed, 0)):
+        if not isinstance(value, int | np.integer) or isinstance(value, bool) or not lowest <= value < 2**32:
+            raise ValueError(f"bake: {name} must be a whole number in [{lowest}, 2**32), got {value!r}")
+    names = [parameter.name for parameter in known[family].parameters if parameter.name != "alpha"]
+    if bool(names) != (shape is not None):
+        text = f"needs {names[0]}, its shape" if names else "has no shape parameter"
+        raise ValueError(f"bake: {family} {text}")
+    if material == "dielectric" and eta is None:
+        raise ValueError("bake: a dielectric needs eta")
+    if isinstance(cos_theta, int | np.integer):
+        cos_theta = np.arange(1, cos_theta + 1) / cos_theta
+    if isinstance(azimuth, int | np.integer):
+        azimuth = np.linspace(0, np.pi, azimuth)
+    result = Recipe(
+        kind, family, material,
+        alpha=grid("alpha", alpha),
+        shape_name=names[0] if names else "",
+        shape=grid(names[0], shape) if names and shape is not None else (),
+        eta=grid("eta", np.inf if eta is None else eta),
+        k=float(k),
+        cos_theta=grid("cos_theta", cos_theta),
+        azimuth=grid("azimuth", azimuth) if kind == "bsdf" else (),
+        scattering=scattering if kind == "bsdf" else "",
+        walks=int(walks),
+        seed=int(seed),
+    )  # fmt: skip
+    if not 0 < result.cos_theta[0] <= result.cos_theta[-1] <= 1:
+        raise ValueError("bake: cos_theta must lie in (0, 1]")
+    if material == "conductor" and len(result.eta) > 1:
+        raise ValueError("bake: a conductor takes one eta")
+    for cell in (0, result.cells - 1):  # the ends of every grid: constructors say what lies outside
+        result.optics(cell, "single")
+    return result
+
+
+def _one_of(name: str, value: object, allowed: Iterable[str]) -> None:
+    names = list(allowed)
+    if value not in names:
+        raise ValueError(f"bake: {name} must be one of {', '.join(names)}, got {value!r}")

@@ -1,0 +1,108 @@
+"""The command `microfacet bake`."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from typing import Any
+
+import click
+
+from microfacet._console.program import json_option, progress
+
+__all__ = ["bake"]
+
+
+class _Grid(click.ParamType[Any]):
+    """Numbers: 0.1,0.2,0.5, or START:STOP:COUNT for even steps."""
+
+    name = "grid"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """As a list."""
+        import numpy as np
+
+        try:
+            if ":" in value:
+                start, stop, count = value.split(":")
+                if not 1 <= int(count) <= 10**6:
+                    raise ValueError
+                return np.linspace(float(start), float(stop), int(count))
+            return [float(part) for part in value.split(",")]
+        except ValueError:
+            self.fail(f"a grid is 0.1,0.2,0.5 or START:STOP:COUNT, got {value!r}", param, ctx)
+
+
+GRID = _Grid()
+
+
+@click.command()
+@click.argument("kind", type=click.Choice(["albedo", "energy", "bsdf"]))
+@click.argument("family")
+@click.option("--alpha", type=GRID, metavar="GRID", required=True, help="Roughness.")
+@click.option("--gamma", type=GRID, metavar="GRID", help="Tail of gtr and student_t.")
+@click.option("--a", type=GRID, metavar="GRID", help="Shape of bessel_k.")
+@click.option("--material", type=click.Choice(["conductor", "dielectric"]), default="conductor")
+@click.option("--eta", type=GRID, metavar="GRID", help="Index of refraction; a white metal without.")
+@click.option("--k", type=float, default=0.0, metavar="X", help="Imaginary part of a metal's index.")
+@click.option("--cos", "cos_theta", type=GRID, metavar="GRID", help="Cosines; 1/32 to 1 otherwise.")
+@click.option("--azimuth", type=GRID, metavar="GRID", help="Radians, of bsdf; 0 to pi otherwise.")
+@click.option("--scattering", type=click.Choice(["single", "multiple"]), default="multiple", help="Of bsdf.")
+@click.option("--walks", type=click.IntRange(min=1), default=10_000, show_default=True, help="Per direction.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the walks.")
+@click.option("-o", "--output", required=True, type=click.Path(), help="FILE.nc (NetCDF) or FILE.zarr.")
+@click.option("--threads", type=click.IntRange(min=1), metavar="N", help="All processors otherwise.")
+@click.option("--dask", metavar="ADDRESS", help="Compute on the dask cluster of this scheduler.")
+@click.option("--memory", type=float, default=2.0, show_default=True, metavar="GB", help="Refuse more.")
+@json_option
+def bake(
+    kind: str,
+    family: str,
+    gamma: Any,
+    a: Any,
+    cos_theta: Any,
+    azimuth: Any,
+    output: str,
+    memory: float,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Tabulate albedos, the energy that one order misses, or f itself, over grids.
+
+    A GRID is 0.1,0.2,0.5 or START:STOP:COUNT. A bake that was interrupted goes on when it is called again.
+
+    \b
+    Examples:
+      microfacet bake energy ggx --alpha 0.05:1:20 -o ggx.nc
+      microfacet bake albedo student_t --alpha 0.1:1:10 --gamma 2,3,5 -o student.zarr
+      microfacet bake bsdf k0 --alpha 0.3 --material dielectric --eta 1.5 --walks 1000 -o glass.nc
+    """
+    import microfacet as mf
+
+    given = {"gamma": gamma, "a": a}
+    entry = next((entry for entry in mf.families() if entry.name == family), None)
+    names = [parameter.name for parameter in entry.parameters] if entry else list(given)
+    for name, value in given.items():
+        if value is not None and name not in names:
+            raise click.UsageError(f"{family} has no parameter {name}")
+    shape = gamma if gamma is not None else a
+    grids = {"cos_theta": cos_theta, "azimuth": azimuth}
+    with progress() as tell:
+        table = mf.bake(
+            kind,
+            family,
+            shape=shape,
+            output=output,
+            memory=memory * 1e9,
+            progress=tell,
+            command=shlex.join(["microfacet", *sys.argv[1:]]),
+            **{name: value for name, value in grids.items() if value is not None},
+            **options,
+        )
+    if as_json:
+        click.echo(
+            json.dumps({"path": output, "sizes": dict(table.sizes), "variables": list(table.data_vars)})
+        )
+    else:
+        click.echo(output)
