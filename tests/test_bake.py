@@ -195,8 +195,9 @@ def test_threads_and_clusters_change_nothing() -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_a_killed_command_goes_on(tmp_path: Path) -> None:
-    bake: dict[str, Any] = {"alpha": np.linspace(0.1, 1, 10), "eta": 0.2, "k": 3.0, "walks": 20_000}
-    options = "--alpha 0.1:1:10 --eta 0.2 --k 3 --walks 20000 --cos 0.5,1 --threads 1".split()
+    bake: dict[str, Any] = {"alpha": np.linspace(0.1, 1, 10), "eta": 0.2, "k": 3.0, "walks": 4000}
+    grids = ["--alpha", "0.1:1:10", "--cos", "0.5,1", "--eta", "0.2", "--k", "3"]
+    options = [*grids, "--walks", "4000", "--threads", "1"]
     command = [sys.executable, "-m", "microfacet.cli", "bake", "albedo", "ggx", *options, "-o", "t.nc"]
     process = subprocess.Popen(command, cwd=tmp_path)
     journal = tmp_path / ".t.nc.bake"

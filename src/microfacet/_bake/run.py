@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import tempfile
+import shutil
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from datetime import UTC, datetime
@@ -120,7 +120,7 @@ def bake(
         journal.keep(cell, values)
         cells[cell] = values
     table = _dataset(xarray, what, cells, journal.provenance)
-    _write(table, target, what)
+    _write(table, target, what, journal.folder)
     journal.remove()
     return table
 
@@ -151,7 +151,7 @@ def _on_cluster(what: Recipe, cells: Iterable[int], address: str) -> Cells:
         from distributed import Client
         from distributed import as_completed as completed
     except ImportError:
-        raise ImportError("a dask cluster needs distributed: pip install 'dask[distributed]'") from None
+        raise ImportError("a dask cluster needs distributed: pip install 'microfacet[dask]'") from None
     with Client(address) as client:  # type: ignore[no-untyped-call]
         futures = {client.submit(compute, what, cell): cell for cell in cells}
         for future, values in completed(futures, with_results=True):  # type: ignore[no-untyped-call]
@@ -209,18 +209,19 @@ def _require_writable(target: Path) -> None:
         raise ImportError("writing tables needs zarr and h5netcdf: pip install 'microfacet[bake]'") from None
 
 
-def _write(table: Any, target: Path, what: Recipe) -> None:
-    """Into a folder of its own; what is whole then takes the place of what was there."""
+def _write(table: Any, target: Path, what: Recipe, folder: Path) -> None:
+    """Into `folder`, a neighbour; what is whole then takes the place of what was there."""
     chunks = _chunks(what)
     shapes = {name: tuple(chunks[dim] for dim in variable.dims) for name, variable in table.data_vars.items()}
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}.") as scratch:
-        new = Path(scratch) / target.name
-        if target.suffix == ".nc":
-            encoding = {name: {"chunksizes": shape, "zlib": True} for name, shape in shapes.items()}
-            table.to_netcdf(new, engine="h5netcdf", encoding=encoding)
-        else:
-            encoding = {name: {"chunks": shape} for name, shape in shapes.items()}
-            table.to_zarr(new, mode="w", zarr_format=2, consolidated=True, encoding=encoding)
-        if target.is_dir():
-            target.rename(Path(scratch) / "old")
-        new.replace(target)
+    new, old = folder / f"new{target.suffix}", folder / "old"
+    shutil.rmtree(new, ignore_errors=True)  # of a run that was killed here
+    if target.suffix == ".nc":
+        encoding = {name: {"chunksizes": shape, "zlib": True} for name, shape in shapes.items()}
+        table.to_netcdf(new, engine="h5netcdf", encoding=encoding)
+    else:
+        encoding = {name: {"chunks": shape} for name, shape in shapes.items()}
+        table.to_zarr(new, mode="w", zarr_format=2, consolidated=True, encoding=encoding)
+    if target.is_dir():
+        shutil.rmtree(old, ignore_errors=True)
+        target.rename(old)
+    new.replace(target)
