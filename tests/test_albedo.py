@@ -41,13 +41,13 @@ def directions(*degrees: float, azimuth: float = 0.4) -> Any:
 @each_material
 def test_quadrature_agrees_with_samples(ndf: Any, kind: str) -> None:
     material = MATERIALS[kind](ndf)
-    wi = directions(0, 50, 80, 89)
+    wi = directions(0, 50, 88)
     n = 20_000
     xi = np.random.default_rng(3).random((n, 1, material.sample_dims))
     wo, weight, _ = material.sample(wi, xi)
-    for part in ("all", "reflected", "transmitted"):
-        side = {"all": True, "reflected": wo[..., 2] > 0, "transmitted": wo[..., 2] < 0}[part]
-        kept = np.where(np.reshape(side, np.shape(side) + (1,) * (weight.ndim - 2)), weight, 0)
+    for part, sign in (("reflected", 1), ("transmitted", -1)):
+        side = sign * wo[..., 2] > 0
+        kept = np.where(side.reshape(side.shape + (1,) * (weight.ndim - 2)), weight, 0)
         error = kept.std(axis=0) / np.sqrt(n) + 1e-6
         assert np.all(np.abs(material.albedo(wi, part=part) - kept.mean(axis=0)) < 4.5 * error), part
 
@@ -57,7 +57,7 @@ def test_quadrature_agrees_with_samples(ndf: Any, kind: str) -> None:
 def test_refinement_changes_nothing(ndf: Any, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A level beyond the one that is used agrees within what is promised, 1e-6, and within what is said."""
     material = MATERIALS[kind](ndf)
-    wi = directions(0, 30, 70, 89)
+    wi = directions(30, 70, 89)
     value, error = material.albedo(wi, with_error=True)
     assert np.all(error < 1e-6)
     level = 4
@@ -140,7 +140,7 @@ def test_no_more_leaves_than_came(ndf: Any) -> None:
 
 
 def test_radiance_is_scaled_where_it_passes() -> None:
-    wi = np.concatenate([directions(40), -directions(40)])
+    wi = np.concatenate([directions(40), -directions(20)])
     for part, scale in (("reflected", 1.0), ("transmitted", np.array([1.5**-2, 1.5**2]))):
         radiance, importance = (
             mf.Dielectric(mf.GGX(alpha=0.3), 1.5, mode=mode).albedo(wi, part=part)

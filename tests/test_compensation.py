@@ -9,7 +9,7 @@ import pytest
 
 import microfacet as mf
 
-NDFS = [mf.GGX(alpha=0.8), mf.StudentT(alpha=0.4, gamma=1.8), mf.BesselK(alpha=0.5, a=1.5)]
+NDFS = [mf.GGX(alpha=0.8), mf.StudentT(alpha=0.4, gamma=2.2), mf.BesselK(alpha=0.5, a=1.5)]
 LOBES = [mf.KullaConty, mf.Turquin]
 GOLD = ([0.18, 0.42, 1.37], [3.42, 2.35, 1.77])
 each_ndf = pytest.mark.parametrize("ndf", NDFS, ids=lambda ndf: ndf.family)
@@ -34,8 +34,8 @@ def hemisphere(count: int) -> tuple[Any, Any]:
 @each_lobe
 def test_white_metal_loses_nothing(ndf: Any, lobe: Any) -> None:
     white = lobe(mf.Conductor(ndf))
-    np.testing.assert_allclose(white.albedo(directions(0, 35, 70, 88)), 1, atol=2e-4)
-    wo, weights = hemisphere(96)
+    np.testing.assert_allclose(white.albedo(directions(0, 40, 88)), 1, atol=2e-4)
+    wo, weights = hemisphere(64)
     total = weights @ white.eval(directions(20, 50)[:, None], wo).T
     np.testing.assert_allclose(total, 1, atol=2e-3)
 
