@@ -54,7 +54,8 @@ def test_accuracy_is_documented_for_every_function() -> None:
         assert re.search(rf"\b{name}\b", text), name
 
 
-DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in ("sampling", "materials", "surfaces", "fitting")))
+GUIDES = ("sampling", "materials", "compensation", "surfaces", "fitting")
+DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in GUIDES))
 
 
 @pytest.mark.parametrize("document", DOCUMENTS)

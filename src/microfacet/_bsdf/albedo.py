@@ -143,9 +143,9 @@ def _average_by_walks(material: Material, n: int, seed: float, up: float, part: 
 def _weights(material: Material, wi: Array, seed: float, elements: Array, part: str) -> Array:
     """What walks leave of the light, (..., channels), as far as it goes to the wanted side."""
     parts = [wi[..., 0], wi[..., 1], wi[..., 2]]
-    _, _, z, weight, facets = material._of("walk", parts, (elements, seed, material._radiance))
+    wo, weight, facets = material._of("walk", parts, (elements, seed, material._radiance))
     if part != "all":
-        side = z * wi[(..., 2, *(np.newaxis,) * len(material._channels))]
+        side = wo[..., 2] * wi[(..., 2, *(np.newaxis,) * len(material._channels))]
         weight = np.where(side > 0 if part == "reflected" else side < 0, weight, 0.0)
     if material.scattering == "single":
         weight = np.where(facets == 1, weight, 0.0)
