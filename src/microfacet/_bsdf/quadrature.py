@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 _AGREED = 1e-7  # of two levels, the finer of which has then far less
 _LEVELS = 6
-_DIRECTIONS = 16  # at a time, and
-_NODES = 1 << 17  # of these: some tens of megabytes
+_DIRECTIONS = 32  # at a time, of the coarsest level, and
+_NODES = 1 << 16  # of these: some tens of megabytes
 
 
 class Leaving(NamedTuple):
@@ -41,8 +41,9 @@ def leaving(material: Material, wi: Array) -> Leaving:
     error = np.full((len(wi), channels), np.inf)
     open_ = np.arange(len(wi))
     for level in range(_LEVELS):
-        for first in range(0, len(open_), _DIRECTIONS):
-            some = open_[first : first + _DIRECTIONS]
+        size = max(1, _DIRECTIONS >> level)
+        for first in range(0, len(open_), size):
+            some = open_[first : first + size]
             finer = _level(material, wi[some], level, channels)
             if level > 0:
                 error[some] = np.abs(finer - found[some]).max(axis=1)

@@ -43,7 +43,9 @@ GRID = _Grid()
 @click.option("--alpha", type=GRID, metavar="GRID", required=True, help="Roughness.")
 @click.option("--gamma", type=GRID, metavar="GRID", help="Tail of gtr and student_t.")
 @click.option("--a", type=GRID, metavar="GRID", help="Shape of bessel_k.")
-@click.option("--material", type=click.Choice(["conductor", "dielectric"]), default="conductor")
+@click.option(
+    "--material", type=click.Choice(["conductor", "dielectric"]), default="conductor", help="Metal or glass."
+)
 @click.option("--eta", type=GRID, metavar="GRID", help="Index of refraction; a white metal without.")
 @click.option("--k", type=float, default=0.0, metavar="X", help="Imaginary part of a metal's index.")
 @click.option("--cos", "cos_theta", type=GRID, metavar="GRID", help="Cosines; 1/32 to 1 otherwise.")
