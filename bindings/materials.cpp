@@ -342,7 +342,7 @@ void run_constant(const material_call& call) {
     return call.ufunc.family.with<Compute>()(parameters.data(), &run_blocks<Compute, T>, data);
   };
   if (std::is_same_v<T, float> && with(0.0F)) return;
-  if (with(0.0)) return;
+  if (with(0.0) || with(0.0F)) return;
   for (std::size_t a = call.ufunc.inputs(); a < call.ufunc.inputs() + op.outputs; ++a)
     for (npy_intp i = 0; i < call.n; ++i) *reinterpret_cast<T*>(call.args[a] + i * call.steps[a]) = nan<T>();
 }

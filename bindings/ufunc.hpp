@@ -97,7 +97,7 @@ struct ufunc_loops {
     else
       run(prepared_distribution<Model, lanes<Compute, most_registers>>(*tables, numbers));
     keep_above<Compute, T>(op, args, steps, n);
-    if constexpr (std::is_same_v<Compute, float>)
+    if constexpr (std::is_same_v<Compute, float> && std::is_same_v<T, float>)
       if (op.samples_visible) draw_rest_in_double(op, args, steps, n);
     return true;
   }
@@ -171,7 +171,10 @@ struct ufunc_loops {
     if (std::is_same_v<T, float> && op.single.table != nullptr && serves_float32(op, args, steps) &&
         run_prepared<float, T>(op, args, steps, n))
       return true;
-    return op.wide.table != nullptr && run_prepared<double, T>(op, args, steps, n);
+    if (op.wide.table != nullptr && run_prepared<double, T>(op, args, steps, n)) return true;
+    // Of extreme parameters tables in double have too few pieces: those in float32 are better than nothing.
+    return alone && op.single.table != nullptr && fits_float32(op, args, steps, 0) &&
+           run_prepared<float, T>(op, args, steps, n);
   }
 
   template <class T>
