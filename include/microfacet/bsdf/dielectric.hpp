@@ -55,9 +55,7 @@ class dielectric {
 
  private:
   // Nothing of a density is nothing, even if it is infinite.
-  static T share(const T& part, const T& density) {
-    return select(part == T(0), T(0), T(part * density));
-  }
+  static T share(const T& part, const T& density) { return select(part == T(0), T(0), T(part * density)); }
 
   T eta_;
 };
