@@ -202,13 +202,16 @@ class single_step {
   walk_array<Real> D_, D_of_other_{}, area_, blocked_, pdf_bounded_;
 };
 
+// A number that is none of the whole ones that a double holds counts as 0.
+std::uint64_t whole(double x) { return x >= 0 && x < 0x1p53 ? static_cast<std::uint64_t>(x) : 0; }
+
 template <template <class> class Material, class Real>
 walk_task<Real> task_of(const material_block<Real>& b, std::size_t material) {
   walk_task<Real> t;
-  t.count = b.count, t.wi = b.vectors(0), t.seed = static_cast<std::uint64_t>(b.constant[0]);
+  t.count = b.count, t.wi = b.vectors(0), t.seed = whole(b.constant[0]);
   for (std::size_t k = 0; k < 2; ++k)
     t.parameters[k] = b.in[material + std::min(k, std::size_t{Material<Real>::parameters - 1})];
-  for (std::size_t i = 0; i < walk_block; ++i) t.element[i] = static_cast<std::uint64_t>(b.element[i]);
+  for (std::size_t i = 0; i < walk_block; ++i) t.element[i] = whole(b.element[i]);
   return t;
 }
 template <template <class> class Material, class Real>
@@ -249,8 +252,8 @@ void walk_eval(const array_distribution<Real>& d, material_block<Real>& b) {
   const walk_task<Real> task = task_of<Material>(b, 6);
   const walk_vectors<Real> wo = b.vectors(3);
   walk_array<Real> sum{};
-  const auto number = static_cast<std::uint64_t>(b.constant[2]);
-  const long first = static_cast<long>(b.constant[3]), last = static_cast<long>(b.constant[4]);
+  const std::uint64_t number = whole(b.constant[2]);
+  const auto first = static_cast<long>(whole(b.constant[3])), last = static_cast<long>(whole(b.constant[4]));
   for (std::uint64_t k = 0; k < number; ++k) walk->evaluate(task, wo, k, first, last, sum);
   for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
     Real invalid = 0;  // a direction that is none; of a material that is none the sum is nan
