@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet._bsdf.kernels import MaterialKernels
 from microfacet._bsdf.quadrature import leaving
-
-if TYPE_CHECKING:
-    from microfacet._bsdf.material import Material
 
 __all__ = ["albedo", "average_albedo"]
 
@@ -21,7 +19,7 @@ _WALKS = 1 << 18  # at a time
 
 
 def albedo(
-    material: Material, wi: ArrayLike, n: int, seed: float, part: str, with_error: bool
+    material: MaterialKernels, wi: ArrayLike, n: int, seed: float, part: str, with_error: bool
 ) -> Any | tuple[Any, Any]:
     """What `Material.albedo` says."""
     owner = f"{type(material).__name__}.albedo"
@@ -38,7 +36,7 @@ def albedo(
 
 
 def average_albedo(
-    material: Material, n: int, seed: float, side: str, part: str, with_error: bool
+    material: MaterialKernels, n: int, seed: float, side: str, part: str, with_error: bool
 ) -> Any | tuple[Any, Any]:
     """What `Material.average_albedo` says."""
     owner = f"{type(material).__name__}.average_albedo"
@@ -54,7 +52,7 @@ def average_albedo(
     return (value, error) if with_error else value
 
 
-def _in_closed_form(material: Material) -> bool:
+def _in_closed_form(material: MaterialKernels) -> bool:
     return material.scattering == "single" and hasattr(material.ndf.kernels, f"{material._name}_facets")
 
 
@@ -69,7 +67,7 @@ def _count(owner: str, n: object) -> int:
     return int(n)
 
 
-def _by_quadrature(material: Material, wi: Array, part: str) -> tuple[Array, Array]:
+def _by_quadrature(material: MaterialKernels, wi: Array, part: str) -> tuple[Array, Array]:
     channels = int(np.prod(material._channels, dtype=np.int64))
     value, error = np.zeros((2, len(wi), channels))
     valid = np.isfinite(wi).all(axis=-1)
@@ -86,7 +84,7 @@ def _by_quadrature(material: Material, wi: Array, part: str) -> tuple[Array, Arr
     return value, error
 
 
-def _scale(material: Material, cosine: Array) -> Array:
+def _scale(material: MaterialKernels, cosine: Array) -> Array:
     """Of radiance that passes, by the relative index of refraction."""
     if not material._radiance:
         return np.ones(cosine.shape)
@@ -94,7 +92,7 @@ def _scale(material: Material, cosine: Array) -> Array:
     return np.where(cosine > 0, eta, 1 / eta) ** -2.0
 
 
-def _average_by_quadrature(material: Material, up: float, part: str) -> tuple[Array, Array]:
+def _average_by_quadrature(material: MaterialKernels, up: float, part: str) -> tuple[Array, Array]:
     before: Array | None = None
     for nodes in (12, 20, 32):
         wi, weights = _hemisphere(material, nodes, up)
@@ -108,7 +106,7 @@ def _average_by_quadrature(material: Material, up: float, part: str) -> tuple[Ar
     return value, error
 
 
-def _by_walks(material: Material, wi: Array, n: int, seed: float, part: str) -> tuple[Array, Array]:
+def _by_walks(material: MaterialKernels, wi: Array, n: int, seed: float, part: str) -> tuple[Array, Array]:
     """Means over `n` walks of each direction: walk k of direction i is one and the same whatever n is."""
     channels = int(np.prod(material._channels, dtype=np.int64))
     sums, squares = np.zeros((2, len(wi), channels))
@@ -125,7 +123,9 @@ def _by_walks(material: Material, wi: Array, n: int, seed: float, part: str) -> 
     return _mean(sums, squares, n)
 
 
-def _average_by_walks(material: Material, n: int, seed: float, up: float, part: str) -> tuple[Array, Array]:
+def _average_by_walks(
+    material: MaterialKernels, n: int, seed: float, up: float, part: str
+) -> tuple[Array, Array]:
     """Walks from directions drawn from cos/pi."""
     sums, squares = np.zeros((2, int(np.prod(material._channels, dtype=np.int64))))
     generator = np.random.default_rng(int(seed))
@@ -140,7 +140,7 @@ def _average_by_walks(material: Material, n: int, seed: float, up: float, part: 
     return _mean(sums, squares, n)
 
 
-def _weights(material: Material, wi: Array, seed: float, elements: Array, part: str) -> Array:
+def _weights(material: MaterialKernels, wi: Array, seed: float, elements: Array, part: str) -> Array:
     """What walks leave of the light, (..., channels), as far as it goes to the wanted side."""
     parts = [wi[..., 0], wi[..., 1], wi[..., 2]]
     wo, weight, facets = material._of("walk", parts, (elements, seed, material._radiance))
@@ -159,7 +159,7 @@ def _mean(sums: Array, squares: Array, n: int) -> tuple[Array, Array]:
     return mean, np.sqrt(variance / max(n - 1, 1))
 
 
-def _hemisphere(material: Material, nodes: int, up: float) -> tuple[Array, Array]:
+def _hemisphere(material: MaterialKernels, nodes: int, up: float) -> tuple[Array, Array]:
     """Directions and weights of cos/pi over a hemisphere; only a half circle, and that only with stretch."""
     x, weights = np.polynomial.legendre.leggauss(nodes)
     x, weights = (x + 1) / 2, weights / 2

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.material import NO_ORDER, Material, number, xyz
+from microfacet._bsdf.kernels import NO_ORDER, number, xyz
+from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
 __all__ = ["Dielectric"]
@@ -139,8 +140,3 @@ class Dielectric(Material):
         wide = (float(self.correlated), self._radiance, 0.0)
         wo, weight, pdf = self._of("sample", [*xyz(i), *facet, choice], wide)
         return wo, weight, pdf
-
-    def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
-        """Walks from `wi`: directions out, what is left of the light, and how many facets it met."""
-        (i,) = self._directions("walk", wi=wi)
-        return self._walk_sample(i, rng, self._radiance)

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.material import NO_ORDER, Material, number
+from microfacet._bsdf.kernels import NO_ORDER, number
+from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
 __all__ = ["Diffuse"]
@@ -98,8 +99,3 @@ class Diffuse(Material):
             once = (facets == 1).reshape(facets.shape + (1,) * len(self._channels))
             weight = np.where(once, weight, 0)
         return wo, weight, self.pdf(i, wo)
-
-    def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
-        """Walks from `wi`: directions out, what is left of the light, and how many facets it met."""
-        (i,) = self._directions("walk", wi=wi)
-        return self._walk_sample(i, rng, 0.0)

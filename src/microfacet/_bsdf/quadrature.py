@@ -6,15 +6,13 @@ cuts their plane into pieces in which the integrand is smooth, and Gauss's rule 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet._bsdf.kernels import MaterialKernels
 from microfacet._bsdf.slopes import Panels, panels
-
-if TYPE_CHECKING:
-    from microfacet._bsdf.material import Material
 
 __all__ = ["Leaving", "leaving"]
 
@@ -34,7 +32,7 @@ class Leaving(NamedTuple):
     error: Array
 
 
-def leaving(material: Material, wi: Array) -> Leaving:
+def leaving(material: MaterialKernels, wi: Array) -> Leaving:
     """Parts of the light from `wi` (directions, 3), not along the surface, that leave after one facet."""
     channels = int(np.prod(material._channels, dtype=np.int64))
     found = np.zeros((len(wi), 2, channels))
@@ -52,7 +50,7 @@ def leaving(material: Material, wi: Array) -> Leaving:
     return Leaving(found[:, 0], found[:, 1], error)
 
 
-def _level(material: Material, wi: Array, level: int, channels: int) -> Array:
+def _level(material: MaterialKernels, wi: Array, level: int, channels: int) -> Array:
     """Reflected and passed, (directions, 2, channels), by rules that get finer with the level."""
     nodes, weights = np.polynomial.legendre.leggauss(8 + 4 * level)
     nodes, weights = (nodes + 1) / 2, weights / 2
@@ -70,7 +68,7 @@ def _level(material: Material, wi: Array, level: int, channels: int) -> Array:
     return result
 
 
-def _critical(material: Material, wi: Array) -> Array:
+def _critical(material: MaterialKernels, wi: Array) -> Array:
     """Cosine of the angle beyond which a facet reflects all; 0 where there is none."""
     if not material._transmits:
         return np.zeros(len(wi))
@@ -80,7 +78,7 @@ def _critical(material: Material, wi: Array) -> Array:
 
 
 def _integrate(
-    material: Material, wi: Array, pieces: Panels, passes: bool, nodes: Array, weights: Array
+    material: MaterialKernels, wi: Array, pieces: Panels, passes: bool, nodes: Array, weights: Array
 ) -> Array:
     """The integral over each panel, (panels, channels)."""
     # Where a square root or a power ends, s = v^2 (3 - 2 v) makes it smooth.
