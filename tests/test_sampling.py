@@ -142,3 +142,15 @@ def test_rounding_at_the_seam_of_the_mixture() -> None:
     w = towards(80, 35).astype(np.float32)
     m = mf.Beckmann(alpha=1.0).sample_visible(w, xi, scheme="mixture")
     assert not np.isnan(m).any()
+
+
+@pytest.mark.parametrize(("alpha", "gamma"), [(1e-4, 15.0), (1e-3, 50.0), (10.0, 20.0)])
+def test_extreme_gtr_has_visible_normals(alpha: float, gamma: float) -> None:
+    """Its tables in double precision have too few pieces; those in single precision serve."""
+    ndf, w = mf.GTR(alpha=alpha, gamma=gamma), towards(60)
+    xi = np.random.default_rng(5).random((20_000, 3))
+    m = ndf.sample_visible(w, xi)
+    assert m.dtype == np.float64
+    assert np.all(m[:, 2] > 0)
+    result = sampling_cases.Case("gtr", (("alpha", alpha), ("gamma", gamma)), "continuous", 60.0, 35.0)
+    assert result.slope(20_000, 3), result

@@ -1,8 +1,8 @@
 """Materials of microfacets: what facets of a distribution do with light.
 
 `fresnel.py` is one smooth interface, `kernels.py` what the compiled core is given (shapes, seeds),
-`material.py` what all materials offer, `conductor.py`, `dielectric.py` and `diffuse.py` the materials. What they
-scatter the core computes; `albedo.py` sums it up (`quadrature.py`, over the regions of `slopes.py`), and
+`material.py` what all materials offer, `conductor.py`, `dielectric.py` and `diffuse.py` the materials. What
+they scatter the core computes; `albedo.py` sums it up (`quadrature.py`, over the regions of `slopes.py`), and
 `compensation.py` adds what is missing of single scattering.
 """
 
