@@ -152,9 +152,9 @@ def _on_cluster(what: Recipe, cells: Iterable[int], address: str) -> Cells:
         from distributed import as_completed as completed
     except ImportError:
         raise ImportError("a dask cluster needs distributed: pip install 'microfacet[dask]'") from None
-    with Client(address) as client:  # type: ignore[no-untyped-call]
+    with Client(address) as client:
         futures = {client.submit(compute, what, cell): cell for cell in cells}
-        for future, values in completed(futures, with_results=True):  # type: ignore[no-untyped-call]
+        for future, values in completed(futures, with_results=True):
             yield futures[future], values
 
 
