@@ -54,14 +54,24 @@ PyObject* mixture_dims() {
   return visible_dims<Family>();
 }
 
+// Materials are drawn by visible normals.
+template <class Tag>
+bool add_family_materials(PyObject* space) {
+  using Family = typename Tag::template type<double>;
+  if constexpr (samples_visible<Family>) {
+    using model = std::conditional_t<Family::shape_invariant, stretched_model<Tag>, unstretched_model<Tag>>;
+    return add_materials_of<model>(space);
+  }
+  return true;
+}
+
 template <class Tag>
 bool add_family(PyObject* module) {
   using Family = typename Tag::template type<double>;
   const std::string name(Family::name);
   PyObject* space = PyModule_New(("microfacet._core." MICROFACET_NAME "." + name).c_str());
   if (space == nullptr) return false;
-  using model = std::conditional_t<Family::shape_invariant, stretched_model<Tag>, unstretched_model<Tag>>;
-  const bool complete = add_operations<Tag>(space) && add_materials_of<model>(space) &&
+  const bool complete = add_operations<Tag>(space) && add_family_materials<Tag>(space) &&
                         add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
                         add(space, "visible_dims", visible_dims<Family>()) &&

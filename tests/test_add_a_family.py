@@ -96,9 +96,8 @@ def family(copy: pathlib.Path) -> Iterator[Any]:
     if sys.platform == "darwin":
         flags += ["-undefined", "dynamic_lookup"]
     include = [f"-I{path}" for path in (copy / "include", sysconfig.get_path("include"), np.get_include())]
-    subprocess.run(
-        [str(COMPILER), *flags, *include, copy / "bindings" / "module.cpp", "-o", core], check=True
-    )
+    sources = [copy / "bindings" / name for name in ("module.cpp", "materials.cpp")]
+    subprocess.run([str(COMPILER), *flags, *include, *sources, "-o", core], check=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_core, "haze", load("microfacet._core_of_the_walk.walk", core).haze, raising=False)
         module = load("microfacet._family.haze", copy / "src" / "microfacet" / "_family" / "haze.py")
