@@ -53,7 +53,7 @@ def average_albedo(
 
 
 def _in_closed_form(material: MaterialKernels) -> bool:
-    return material.scattering == "single" and hasattr(material.ndf.kernels, f"{material._name}_facets")
+    return material.scattering == "single" and material._closed
 
 
 def _check(owner: str, part: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.kernels import NO_ORDER, number, xyz
+from microfacet._bsdf.kernels import number, xyz
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -93,38 +93,6 @@ class Conductor(Material):
 
     def __repr__(self) -> str:
         return f"Conductor({self.ndf!r}, eta={self.eta!r}, k={self.k!r}, scattering={self.scattering!r})"
-
-    def eval(
-        self,
-        wi: ArrayLike,
-        wo: ArrayLike,
-        *,
-        n: int = 1,
-        rng: Any = None,
-        orders: tuple[float, float] = (1, NO_ORDER),
-    ) -> Any:
-        """f |cos theta_o|: the light per steradian towards `wo`, of light from `wi`.
-
-        Parameters
-        ----------
-        wi, wo : array_like, shape (..., 3)
-            Unit directions, away from the surface. Below it nothing is scattered.
-        n : int
-            With multiple scattering, how many walks the estimate takes; its error falls like 1/sqrt(n).
-        rng : int or numpy.random.Generator, optional
-            With multiple scattering: the same seed gives every element the same walks, whatever the shape of
-            the arrays and the number of threads. An element's walks depend on its place in the result.
-        orders : (int, int)
-            With multiple scattering, the first and last number of facets met that count.
-
-        Returns
-        -------
-        ndarray or scalar, shape (..., *channels)
-        """
-        i, o = self._directions("eval", wi=wi, wo=wo)
-        if self.scattering == "multiple":
-            return self._walk_eval(i, o, rng, n, orders, 0.0)
-        return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), 0.0))
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike, *, bounded: bool = False) -> Any:
         """Density per steradian of the directions that `sample` draws, D_visible(m)/(4 wi . m).

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.kernels import NO_ORDER, number, xyz
+from microfacet._bsdf.kernels import number, xyz
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -96,21 +96,6 @@ class Dielectric(Material):
     @property
     def _radiance(self) -> float:
         return float(self.mode == "radiance")
-
-    def eval(
-        self,
-        wi: ArrayLike,
-        wo: ArrayLike,
-        *,
-        n: int = 1,
-        rng: Any = None,
-        orders: tuple[float, float] = (1, NO_ORDER),
-    ) -> Any:
-        """f |cos theta_o|, as `Conductor.eval`: reflection with wi and wo on one side, else transmission."""
-        i, o = self._directions("eval", wi=wi, wo=wo)
-        if self.scattering == "multiple":
-            return self._walk_eval(i, o, rng, n, orders, self._radiance)
-        return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), self._radiance))
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """Density per steradian of the directions that `sample` draws, normalised over the whole sphere.

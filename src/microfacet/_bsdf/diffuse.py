@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.kernels import NO_ORDER, number
+from microfacet._bsdf.kernels import number
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -53,6 +53,7 @@ class Diffuse(Material):
 
     __slots__ = ()
     _name = "diffuse"
+    _closed = False
 
     def __init__(self, ndf: Distribution, albedo: ArrayLike, *, scattering: str = "multiple") -> None:
         rho = number("Diffuse", "albedo", albedo, "in [0, 1]", lambda x: (x >= 0) & (x <= 1))
@@ -65,21 +66,6 @@ class Diffuse(Material):
 
     def __repr__(self) -> str:
         return f"Diffuse({self.ndf!r}, {self.albedo_of_facets!r}, scattering={self.scattering!r})"
-
-    def eval(
-        self,
-        wi: ArrayLike,
-        wo: ArrayLike,
-        *,
-        n: int = 1,
-        rng: Any = None,
-        orders: tuple[float, float] = (1, NO_ORDER),
-    ) -> Any:
-        """f |cos theta_o| estimated by `n` walks, as `Conductor.eval` with multiple scattering."""
-        i, o = self._directions("eval", wi=wi, wo=wo)
-        if self.scattering == "single":
-            orders = (max(1, orders[0]), min(1, orders[1]))
-        return self._walk_eval(i, o, rng, n, orders, 0.0)
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """Density per steradian of a proposal for `wo`: that of a diffuse surface, cos/pi."""

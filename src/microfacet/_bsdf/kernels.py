@@ -40,6 +40,7 @@ class MaterialKernels:
     _constants: tuple[Array, ...]  # of the material, as the kernels take them
     _name: str
     _transmits = False
+    _closed = True  # whether scattering of one order has a closed form
 
     def _freeze(self, ndf: Distribution, scattering: str, constants: tuple[Array, ...]) -> None:
         owner = type(self).__name__

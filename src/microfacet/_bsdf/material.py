@@ -1,4 +1,4 @@
-"""What all materials offer besides `eval`, `pdf` and `sample`: walks and albedos."""
+"""What all materials offer besides `pdf` and `sample`: values, walks and albedos."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from microfacet._bsdf.albedo import albedo as albedo_of
 from microfacet._bsdf.albedo import average_albedo as average_albedo_of
-from microfacet._bsdf.kernels import MaterialKernels, seed_of
+from microfacet._bsdf.kernels import NO_ORDER, MaterialKernels, seed_of, xyz
 
 __all__ = ["Material"]
 
@@ -17,6 +17,44 @@ class Material(MaterialKernels):
     """Base of the materials: f |cos|, its samples, random walks, and albedos."""
 
     __slots__ = ()
+
+    correlated: bool
+
+    def eval(
+        self,
+        wi: ArrayLike,
+        wo: ArrayLike,
+        *,
+        n: int = 1,
+        rng: Any = None,
+        orders: tuple[float, float] = (1, NO_ORDER),
+    ) -> Any:
+        """f |cos theta_o|: the light per steradian towards `wo`, of light from `wi`.
+
+        Parameters
+        ----------
+        wi, wo : array_like, shape (..., 3)
+            Unit directions, away from the surface; reflection with both on one side, else transmission. Below
+            an opaque surface nothing is scattered.
+        n : int
+            Where values are estimates, that is with multiple scattering and for `Diffuse`: how many walks
+            they take. The error falls like 1/sqrt(n).
+        rng : int or numpy.random.Generator, optional
+            For estimates: the same seed gives every element the same walks, whatever the shape of the arrays
+            and the number of threads. An element's walks depend on its place in the result.
+        orders : (int, int)
+            For estimates, the first and last number of facets met that count.
+
+        Returns
+        -------
+        ndarray or scalar, shape (..., *channels)
+        """
+        i, o = self._directions("eval", wi=wi, wo=wo)
+        if self.scattering == "single":
+            if self._closed:
+                return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), self._radiance))
+            orders = (max(1, orders[0]), min(1, orders[1]))
+        return self._walk_eval(i, o, rng, n, orders, self._radiance)
 
     def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
         """Walks from `wi`: directions out, what is left of the light, and how many facets it met.
