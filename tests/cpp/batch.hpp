@@ -70,7 +70,7 @@ batch<T> select(const mask<T>& m, const batch<T>& a, const batch<T>& b) {
 }
 
 template <class T>
-bool any(const mask<T>& m) {
+bool some_lane(const mask<T>& m) {
   for (int i = 0; i < batch<T>::size; ++i)
     if (m.v[i]) return true;
   return false;

@@ -4,7 +4,7 @@
 // using-declarations below and any other scalar (a SIMD batch, an automatic-differentiation number, a Dr.Jit
 // array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no
 // `if` on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
-// any(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes a
+// some_lane(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes a
 // result beyond rounding.
 #pragma once
 
@@ -52,7 +52,7 @@ template <std::floating_point T>
 constexpr T select(bool mask, T a, T b) {
   return mask ? a : b;
 }
-constexpr bool any(bool mask) { return mask; }
+constexpr bool some_lane(bool mask) { return mask; }
 
 // The floating-point type in which a T computes; specialise it for a scalar that is not itself one.
 template <class T>
@@ -90,8 +90,8 @@ MICROFACET_INLINE T minimum(const T& a, const T& b) {
 // select between two computations, of which one is left out where no lane needs it.
 template <class Mask, class Taken, class Other>
 auto choose(const Mask& mask, const Taken& taken, const Other& other) {
-  if (!any(mask)) return other();
-  if (!any(!mask)) return taken();
+  if (!some_lane(mask)) return other();
+  if (!some_lane(!mask)) return taken();
   return select(mask, taken(), other());
 }
 

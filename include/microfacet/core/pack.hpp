@@ -94,10 +94,10 @@ struct pack {
 };
 
 template <class T, std::size_t B, int K>
-MICROFACET_INLINE bool any(const pack<T, B, K>& mask) {
+MICROFACET_INLINE bool some_lane(const pack<T, B, K>& mask) {
   typename pack<T, B, K>::vector all = mask.v[0];
   for (int k = 1; k < K; ++k) all |= mask.v[k];
-  return registers::any(all);
+  return registers::some_lane(all);
 }
 
 template <class T, std::size_t B, int K>

@@ -79,6 +79,12 @@ struct piecewise {
     word& w = reinterpret_cast<word&>(map[at / in_word]);
     w |= static_cast<word>(number) << at % in_word * width;
   }
+  std::size_t piece_of_cell(std::size_t cell) const {
+    const std::size_t width = static_cast<std::size_t>(bits_of_number(few)), in_word = sizeof(T) * 8 / width;
+    const auto word = static_cast<std::make_unsigned_t<bits_type>>(map[cell / in_word]);
+    return static_cast<std::size_t>(word >> cell % in_word * width) &
+           (few ? most_pieces / 2 - 1 : most_pieces - 1);
+  }
   T start(std::ptrdiff_t cell) const {
     return std::bit_cast<T>(static_cast<bits_type>(
         base + static_cast<bits_type>(cell) * (bits_type(1) << (cell < 0 ? shift + coarser : shift))));

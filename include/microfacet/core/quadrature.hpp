@@ -27,7 +27,7 @@ T integral_between_roots(const Pair& pair, const T& pairs) {
   T sum(0);
   for (int j = 0; j < most_node_pairs; ++j) {
     const auto inside = T(j) < pairs;
-    if (!any(inside)) break;
+    if (!some_lane(inside)) break;
     const T term = pair(T(sine * sine), T(cosine * cosine)) * (sine * cosine);
     sum = select(inside, T(sum + term), sum);
     const T rise = cosine * turn_sine - sine * less;

@@ -76,7 +76,7 @@ class bessel_k {
       const auto far = abs(bounded - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
       y = select(moving, bounded, y);
       moving = moving & far;
-      if (!any(moving)) break;
+      if (!some_lane(moving)) break;
     }
     return select(xi_argument == T(0), T(0), select(xi == T(1), T(inf), y));
   }

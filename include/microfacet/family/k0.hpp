@@ -120,7 +120,7 @@ class k0 {
       const auto far = abs(next - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
       y = select(moving, next, y);
       moving = moving & far;
-      if (!any(moving)) break;
+      if (!some_lane(moving)) break;
     }
     const auto tiny = (xi_argument < xi) & (xi_argument > T(0));
     return choose(

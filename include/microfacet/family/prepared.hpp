@@ -17,11 +17,11 @@
 namespace microfacet {
 
 // On scalars R, from tables that must outlive it.
-template <class R>
+template <class R, class Tables = radial_tables<typename scalar_traits<R>::real>>
 class prepared {
  public:
   using scalar = R;
-  using tables = radial_tables<typename scalar_traits<R>::real>;
+  using tables = Tables;
   static constexpr std::string_view name = "prepared";
   static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 0> sources{};
@@ -49,6 +49,7 @@ class prepared {
   MICROFACET_INLINE R radius_at_odds(const R& odds) const { return t_->radius(twofold<R>(odds)); }
   MICROFACET_INLINE const auto& visible() const { return t_->visible; }
   // For smith/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
+  static constexpr bool always_composes = requires { requires tables::always_composes; };
   MICROFACET_INLINE bool composes() const { return t_->visible.complete; }
   MICROFACET_INLINE R excess_radius(const R& v) const
     requires(tables::single)

@@ -115,6 +115,13 @@ class student_t {
   T across(const T& along, const T& depth) const {
     return sqrt(k_ + along * along) * sqrt(expm1(T(depth / (k_ + T(0.5)))));
   }
+  // For smith/sample_visible_mixture.hpp: M(P) = (1 - xi) M(t), and the slope across.
+  T moment_beyond(const T& t, const T& xi) const {
+    return sqrt(t * t + (k_ + t * t) * expm1(T(-log1p(-xi) / (k_ - T(0.5)))));
+  }
+  T across_of_tables(const T& along, const T& xi, const T& turn) const {
+    return this->across(along, T(-log1p(-xi))) * elementary::cos_sin_of_turns(T(T(0.5) * turn)).cosine;
+  }
   static bool sampling_fits_float32(double gamma) { return gamma >= 2.5; }
   // gamma = 3 takes two uniforms.
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;

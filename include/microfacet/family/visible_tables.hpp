@@ -43,7 +43,7 @@ class visible_samples {
       const R change = (log(m) - target) * m / maximum(R(t * t * P2(t)), R(1e-300));
       y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
       moving = moving & (abs(change) > R(1e-12));
-      if (!any(moving)) break;
+      if (!some_lane(moving)) break;
     }
     return elementary::exp(y);
   }
@@ -56,7 +56,7 @@ class visible_samples {
                        (R(1) + t * family_.slope_sf(slope<R>(t)) / maximum(J, R(1e-300)));
       y = select(moving, R(y - minimum(maximum(change, R(-1)), R(1))), y);
       moving = moving & (abs(change) > R(1e-12));
-      if (!any(moving)) break;
+      if (!some_lane(moving)) break;
     }
     return elementary::exp(y);
   }
@@ -69,7 +69,7 @@ class visible_samples {
       const R change = (value - target) / maximum(slope, R(1e-6));
       y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
       moving = moving & (abs(change) > R(1e-11));
-      if (!any(moving)) break;
+      if (!some_lane(moving)) break;
     }
     return elementary::exp(y);
   }

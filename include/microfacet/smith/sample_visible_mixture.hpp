@@ -28,25 +28,32 @@ struct uniforms {
   T xi[4];
 };
 
+// Of tables alone, as far as they reach.
+template <class Family, class T, class Mask>
+visible_slopes<T> composed_from_below(const Family& family, const T& X, const T& excess, const T& part,
+                                      const uniforms<T>& u, const Mask& reached) {
+  const T least = maximum(family.excess_radius(X / maximum(T(excess * part), smallest<T>())), X);
+  const T along = family.moment_beyond(least, u.xi[1]);
+  return {where(reached, along), family.across_of_tables(along, u.xi[2], u.xi[3])};
+}
 template <class Family, class T>
 visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& excess, const T& part,
                                   const uniforms<T>& u) {
-  const auto solved = [&] { return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]); };
-  if constexpr (requires { family.excess_radius(X); }) {
-    // Of tables alone, where there is no form that reaches further.
-    const auto reached = tables_reach(family, T(-X));
-    const auto composed = [&]() -> visible_slopes<T> {
-      const T least = maximum(family.excess_radius(X / maximum(T(excess * part), smallest<T>())), X);
-      const T along = family.moment_beyond(least, u.xi[1]);
-      return {where(reached, along), family.across_of_tables(along, u.xi[2], u.xi[3])};
-    };
-    if constexpr (requires { family.sf_over_density(X); }) {
-      return choose(reached, composed, solved);
-    } else {
-      return family.composes() ? composed() : solved();
-    }
+  const auto reached = tables_reach(family, T(-X));
+  if constexpr (requires { requires Family::always_composes; }) {
+    return composed_from_below(family, X, excess, part, u, reached);
   } else {
-    return solved();
+    const auto solved = [&] { return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]); };
+    if constexpr (requires { family.excess_radius(X); }) {
+      const auto composed = [&] { return composed_from_below(family, X, excess, part, u, reached); };
+      if constexpr (requires { family.sf_over_density(X); }) {
+        return choose(reached, composed, solved);
+      } else {
+        return family.composes() ? composed() : solved();
+      }
+    } else {
+      return solved();
+    }
   }
 }
 template <class Family, class T>

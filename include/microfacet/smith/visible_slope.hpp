@@ -44,10 +44,10 @@ class visible_slope_solver : visible_functions<Family, T> {
         at_x_(at(abs(x))) {
     const T above = upper(at_start_, T(0));
     T under(0);
-    if (any(!below_)) {
+    if (some_lane(!below_)) {
       const auto near = family_.near(start_, c_, at_start_.sf);
       near_integrals<T> s{T(0), T(0)};
-      if (any(near)) s = family_.near_moments(start_, c_);
+      if (some_lane(near)) s = family_.near_moments(start_, c_);
       const T all = lower(near, s, at_start_, c_);
       under = select(below_, T(0), all);
     }
@@ -71,7 +71,7 @@ class visible_slope_solver : visible_functions<Family, T> {
       moving =
           moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * select(on_lower_, minimum(v, T(c_ - v)), v));
       v = moved;
-      if (!any(moving)) break;
+      if (!some_lane(moving)) break;
     }
     return select(on_lower_, T(-v), T(start_ + v)) + nothing_;
   }
@@ -80,7 +80,7 @@ class visible_slope_solver : visible_functions<Family, T> {
   // `usual` but in the lanes of a mask that seldom has any.
   template <class Rare>
   static T unless(const Mask& mask, const T& usual, const Rare& rare) {
-    return any(mask) ? select(mask, T(rare()), usual) : usual;
+    return some_lane(mask) ? select(mask, T(rare()), usual) : usual;
   }
 
   // Over P2(t), the probability of what lies above t = start + v, and of what lies below -t = d - x.
@@ -124,7 +124,7 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T origin = select(on_lower_, t, start_), distance = select(on_lower_, d, v);
     const auto near = family_.near(origin, distance, select(on_lower_, p.sf, at_start_.sf));
     near_integrals<T> s{T(0), T(0)};
-    if (any(near)) s = family_.near_moments(origin, distance);
+    if (some_lane(near)) s = family_.near_moments(origin, distance);
     const T N = unless(on_lower_, upper(p, v), [&] { return lower(near, s, p, d); });
     const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
     const auto small = near & !on_lower_;

@@ -128,7 +128,7 @@ class visible_tails {
       const T moved = rest * exp(maximum(minimum(T(-change), T(2)), T(-2)));
       rest = select(moving & (moved >= T(0)), moved, rest);
       moving = moving & (abs(change) > T(single ? 1e-3 : 1e-9));
-      if (!any(moving)) break;
+      if (!some_lane(moving)) break;
     }
     return sqrt(rest);
   }

@@ -8,6 +8,10 @@
 namespace xsimd {
 
 template <class T, class A>
+bool some_lane(const batch_bool<T, A>& mask) {
+  return any(mask);
+}
+template <class T, class A>
 batch<T, A> multiply_add(const batch<T, A>& a, const batch<T, A>& b, const batch<T, A>& c) {
   return fma(a, b, c);
 }

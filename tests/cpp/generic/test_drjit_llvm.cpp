@@ -4,14 +4,8 @@
 #include <drjit/autodiff.h>
 #include <drjit/jit.h>
 
-#include "adapt_drjit.hpp"
+#include "../../../src/microfacet/mitsuba/plugin/drjit_scalar.hpp"
 #include "families_on.hpp"
-
-// Nothing is known of a traced mask while a kernel is being traced: branches and loops are taken whole.
-namespace drjit {
-inline bool any(const LLVMArray<bool>&) { return true; }
-inline bool any(const DiffArray<JitBackend::LLVM, bool>&) { return true; }
-}  // namespace drjit
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <drjit/array.h>
 #include <drjit/packet.h>
 
-#include "adapt_drjit.hpp"
+#include "../../../src/microfacet/mitsuba/plugin/drjit_scalar.hpp"
 #include "families_on.hpp"
 
 namespace {

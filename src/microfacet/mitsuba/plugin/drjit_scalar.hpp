@@ -1,11 +1,13 @@
 // What Dr.Jit's arrays (packets, traced arrays, differentiable arrays) lack of the scalar contract
-// (core/math.hpp).
+// (core/math.hpp). To be included before the headers of families.
 #pragma once
 
 #include <drjit/math.h>
 
 #include <concepts>
+#include <numbers>
 
+#include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 
 namespace drjit {
@@ -13,6 +15,18 @@ namespace drjit {
 template <class V>
 concept real_array = is_array_v<V> && std::floating_point<scalar_t<V>>;
 
+template <class M>
+concept mask_array = is_array_v<M> && is_mask_v<M>;
+
+// Nothing is known of a traced mask while a kernel is being traced: branches and loops are taken whole.
+template <mask_array M>
+bool some_lane(const M& mask) {
+  if constexpr (is_jit_v<M>) {
+    return true;
+  } else {
+    return any_nested(mask);
+  }
+}
 template <real_array V>
 V multiply_add(const V& a, const V& b, const V& c) {
   return fmadd(a, b, c);
@@ -43,3 +57,13 @@ template <drjit::real_array V>
 struct microfacet::scalar_traits<V> {
   using real = drjit::scalar_t<V>;
 };
+
+namespace microfacet::elementary {
+
+template <drjit::real_array V>
+circle<V> cos_sin_of_turns(const V& x) {
+  const auto [sine, cosine] = drjit::sincos(x * V(2 * std::numbers::pi));
+  return {cosine, sine};
+}
+
+}  // namespace microfacet::elementary

@@ -1,0 +1,224 @@
+#include "distribution.hpp"
+
+#include <concepts>
+#include <stdexcept>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "traced_tables.hpp"
+
+#include "microfacet/family/all.hpp"
+#include "microfacet/family/prepared.hpp"
+#include "microfacet/smith/ndf.hpp"
+#include "microfacet/smith/sample_visible_mixture.hpp"
+#include "microfacet/smith/shape.hpp"
+
+namespace microfacet::plugin {
+
+namespace {
+
+using tables = traced_tables<Float>;
+
+// Closed forms, and a table of the one inverse that sampling needs besides.
+template <class Closed>
+class with_table : public Closed {
+ public:
+  static constexpr bool always_composes = true;
+  template <class... Arguments>
+  explicit with_table(const tables& t, const Arguments&... arguments) : Closed(arguments...), tables_(&t) {}
+
+  Float excess_radius(const Float& v) const { return tables_->visible.excess_radius(v); }
+  // What solves without the table.
+  void sf_over_density() const = delete;
+  void closed_slopes() const = delete;
+
+ private:
+  const tables* tables_;
+};
+
+// A closed density, and tables for all else.
+template <class Closed>
+class with_tables : public prepared<Float, tables> {
+ public:
+  template <class... Arguments>
+  explicit with_tables(const tables& t, const Arguments&... arguments)
+      : prepared<Float, tables>(t), closed_(arguments...) {}
+  Float D(const Float& z, const twofold<Float>& h2) const { return closed_.D(z, h2); }
+
+ private:
+  Closed closed_;
+};
+
+// How each family is traced. Parameters: of the density in standard space.
+template <class Closed>
+struct traced {
+  static constexpr bool has_tables = false;
+  static Closed make(const tables&, const Float&, const Float&) { return Closed(); }
+};
+template <>
+struct traced<beckmann<Float>> {
+  static constexpr bool has_tables = true;
+  static auto make(const tables& t, const Float&, const Float&) { return with_table<beckmann<Float>>(t); }
+};
+template <>
+struct traced<student_t<Float>> {
+  static constexpr bool has_tables = true;
+  static auto make(const tables& t, const Float&, const Float& shape) {
+    return with_table<student_t<Float>>(t, shape);
+  }
+};
+template <>
+struct traced<gtr<Float>> {
+  static constexpr bool has_tables = true;
+  static auto make(const tables& t, const Float& alpha, const Float& shape) {
+    return with_tables<gtr<Float>>(t, alpha, shape);
+  }
+};
+template <>
+struct traced<bessel_k<Float>> {
+  static constexpr bool has_tables = true;
+  static auto make(const tables& t, const Float&, const Float&) { return prepared<Float, tables>(t); }
+};
+
+template <class... Arguments>
+[[noreturn]] void fail(const char* format, const Arguments&... arguments) {
+  throw std::runtime_error(tfm::format(format, arguments...));
+}
+
+template <class Use>
+auto with_shape(const roughness& r, const Use& use) {
+  return r.isotropic ? use(isotropic_shape<Float>(r.u))
+                     : use(anisotropic_shape<Float>(r.u, r.v, Float(1), Float(0)));
+}
+
+template <class R>
+float number(const R& x) {
+  if constexpr (drjit::is_jit_v<R>) {
+    return drjit::slice<float>(drjit::detach(x), 0);
+  } else {
+    return x;
+  }
+}
+
+template <class Family>
+class family_distribution final : public distribution {
+  static constexpr bool has_shape = std::tuple_size_v<decltype(Family::parameters)> > 0;
+  static constexpr bool has_tables = traced<Family>::has_tables;
+
+ public:
+  explicit family_distribution(const mitsuba::Properties& properties) {
+    if constexpr (has_shape) {
+      constexpr parameter p = Family::parameters[0];
+      const std::string name(p.name), plugin(properties.plugin_name());
+      if (!properties.has_property(name))
+        fail("%s: \"%s\" is missing, which %s needs", plugin, name, Family::name);
+      const auto value = properties.get<float>(name);
+      if (!(value > p.lower && value < p.upper))
+        fail("%s: \"%s\" is %g, %s needs one in (%g, %g)", plugin, name, value, Family::name, p.lower,
+             p.upper);
+      shape_ = Float(value);
+      drjit::make_opaque(shape_);
+    }
+    if (stretches()) build();
+  }
+
+  void traverse(mitsuba::TraversalCallback* callback) override {
+    if constexpr (has_shape)
+      callback->put(Family::parameters[0].name, shape_, mitsuba::ParamFlags::Differentiable);
+  }
+  void parameters_changed(const std::vector<std::string>& = {}) override {
+    if (stretches()) build();
+  }
+  bool stretches() const override { return Family::shape_invariant; }
+  void set_roughness(const Float& alpha) override {
+    alpha_ = alpha;
+    build();
+  }
+  bool differentiated() const override { return drjit::grad_enabled(shape_) || drjit::grad_enabled(alpha_); }
+
+  Float D(const roughness& r, const vector& m) const override {
+    return on(r, [&](const auto& ndf) { return ndf.D(m); });
+  }
+  Float sigma(const roughness& r, const vector& w) const override {
+    return on(r, [&](const auto& ndf) { return ndf.sigma(w); });
+  }
+  vector sample_visible(const roughness& r, const vector& w, const std::array<Float, 4>& xi) const override {
+    return on(r, [&](const auto& ndf) { return sample_visible_mixture(ndf, w, xi[0], xi[1], xi[2], xi[3]); });
+  }
+
+ private:
+  template <class Use>
+  auto on(const roughness& r, const Use& use) const {
+    const auto family = traced<Family>::make(tables_, alpha_, shape_);
+    using traced_family = std::remove_const_t<decltype(family)>;
+    const auto under = [&]<class Shape>(const Shape& shape) {
+      return use(ndf<traced_family, Float, Shape>(family, shape));
+    };
+    if constexpr (Family::shape_invariant) {
+      return with_shape(r, under);
+    } else {
+      return under(isotropic_shape<Float>(Float(1)));
+    }
+  }
+
+  void build() {
+    if constexpr (!has_tables) return;
+    const double alpha = number(alpha_), shape = number(shape_);
+    const table_request here{Family::name, alpha, shape};
+    flat_tables flat;
+    flat.append(here, true);
+    table_storage<Float>& storage = tables_.storage;
+    storage.parameters = 0;
+    const auto differences = [&](const Float& parameter, double step, table_request less,
+                                 table_request more) {
+      flat.append(less, false), flat.append(more, false);
+      storage.parameter[storage.parameters] = parameter;
+      storage.inverse_of_two_steps[storage.parameters] = Float(static_cast<float>(0.5 / step));
+      drjit::make_opaque(storage.inverse_of_two_steps[storage.parameters]);
+      ++storage.parameters;
+    };
+    if constexpr (has_shape && (Family::costly & of_slope_excess) &&
+                  !std::same_as<Family, student_t<Float>>) {
+      const double step = 0.02 * (shape - Family::parameters[0].lower);
+      differences(shape_, step, {here.family, alpha, shape - step}, {here.family, alpha, shape + step});
+    }
+    if constexpr (!Family::shape_invariant) {
+      const double step = 0.02 * alpha;
+      differences(alpha_, step, {here.family, alpha - step, shape}, {here.family, alpha + step, shape});
+    }
+    using Int32 = drjit::int32_array_t<Float>;
+    storage.floats = drjit::load<buffer<Float>>(flat.floats.data(), flat.floats.size());
+    storage.integers = drjit::load<buffer<Int32>>(flat.integers.data(), flat.integers.size());
+    tables_.visible.first_moment = Float(flat.first_moment);
+    tables_.visible.inverse_P2 = Float(flat.inverse_P2);
+    drjit::make_opaque(tables_.visible.first_moment, tables_.visible.inverse_P2);
+  }
+
+  tables tables_;
+  Float alpha_ = Float(1), shape_ = Float(0);
+};
+
+template <class Tag>
+mitsuba::ref<distribution> make_if(const mitsuba::Properties& properties, std::string_view name) {
+  using Family = typename Tag::template type<Float>;
+  return name == Family::name ? new family_distribution<Family>(properties) : nullptr;
+}
+
+}  // namespace
+
+mitsuba::ref<distribution> make_distribution(const mitsuba::Properties& properties) {
+  const std::string name = properties.get<std::string>("distribution", std::string("ggx"));
+  mitsuba::ref<distribution> result;
+  std::string names;
+  const auto attempt = [&]<class Tag>(Tag) {
+    if (!result) result = make_if<Tag>(properties, name);
+    names += (names.empty() ? "" : ", ") + std::string(Tag::template type<Float>::name);
+  };
+  std::apply([&](auto... tags) { (attempt(tags), ...); }, all_families{});
+  if (!result)
+    fail("%s: \"distribution\" is \"%s\", which is none of %s", properties.plugin_name(), name, names);
+  return result;
+}
+
+}  // namespace microfacet::plugin

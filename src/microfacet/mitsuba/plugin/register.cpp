@@ -1,0 +1,36 @@
+// The one function that the shared library exports.
+#include <mitsuba/core/plugin.h>
+
+#include <exception>
+#include <string>
+
+#include "conductor.hpp"
+#include "variant.hpp"
+
+namespace microfacet::plugin {
+
+namespace {
+
+template <class Plugin>
+void add(const char* name) {
+  const auto make = [](void*, const mi::Properties& properties) -> mitsuba::ref<mitsuba::Object> {
+    return new Plugin(properties);
+  };
+  mi::PluginManager::instance()->register_plugin(name, Base::Variant, mi::ObjectType::BSDF, make, nullptr,
+                                                 nullptr);
+}
+
+}  // namespace
+
+}  // namespace microfacet::plugin
+
+extern "C" [[gnu::visibility("default")]] const char* microfacet_register() {
+  static std::string error;
+  try {
+    microfacet::plugin::add<microfacet::plugin::rough_conductor>("microfacet_conductor");
+    return nullptr;
+  } catch (const std::exception& e) {
+    error = e.what();
+    return error.c_str();
+  }
+}

@@ -1,0 +1,98 @@
+#include "rough_bsdf.hpp"
+
+#include <sstream>
+
+namespace microfacet::plugin {
+
+namespace {
+
+// Smaller ones are no longer rough to single precision.
+constexpr float least_roughness = 1e-4F;
+
+}  // namespace
+
+rough_bsdf::rough_bsdf(const mi::Properties& properties) : Base(properties) {
+  distribution_ = make_distribution(properties);
+  const auto texture = [&](const char* name) {
+    if (properties.has_property(name) && properties.type(name) == mi::Properties::Type::Float) {
+      const auto alpha = properties.get<float>(name);
+      if (!(alpha > 0 && alpha <= 1e4F))
+        fail(properties, "\"%s\" is %g, roughness lies in (0, 1e4]", name, alpha);
+    }
+    return properties.get_texture<Texture>(name, 0.1F);
+  };
+  const bool u = properties.has_property("alpha_u"), v = properties.has_property("alpha_v");
+  if (u != v)
+    fail(properties, "\"%s\" is missing: alpha_u and alpha_v go together", u ? "alpha_v" : "alpha_u");
+  if (u && properties.has_property("alpha"))
+    fail(properties, "\"alpha\" is given beside alpha_u and alpha_v: it is one or the other");
+  if (u && !distribution_->stretches())
+    fail(properties, "\"alpha_u\" is given, but this distribution is isotropic: it takes alpha");
+  alpha_u_ = texture(u ? "alpha_u" : "alpha");
+  alpha_v_ = u ? texture("alpha_v") : alpha_u_;
+  if (!distribution_->stretches() && alpha_u_->is_spatially_varying())
+    fail(properties, "\"alpha\" is a texture that varies, which this distribution does not take");
+  correlated_ = properties.get<bool>("correlated", true);
+  const auto scattering = properties.get<std::string>("scattering", std::string("single"));
+  if (scattering != "single" && scattering != "multiple")
+    fail(properties, "\"scattering\" is \"%s\", which is neither single nor multiple", scattering);
+  multiple_ = scattering == "multiple";
+  if (!distribution_->stretches()) distribution_->set_roughness(alpha_u_->mean());
+}
+
+void rough_bsdf::traverse(mi::TraversalCallback* callback) {
+  if (alpha_u_ == alpha_v_) {
+    callback->put("alpha", alpha_u_, mi::ParamFlags::Differentiable | mi::ParamFlags::Discontinuous);
+  } else {
+    callback->put("alpha_u", alpha_u_, mi::ParamFlags::Differentiable | mi::ParamFlags::Discontinuous);
+    callback->put("alpha_v", alpha_v_, mi::ParamFlags::Differentiable | mi::ParamFlags::Discontinuous);
+  }
+  distribution_->traverse(callback);
+}
+
+void rough_bsdf::parameters_changed(const std::vector<std::string>& keys) {
+  if (distribution_->stretches()) {
+    distribution_->parameters_changed(keys);
+  } else {
+    distribution_->set_roughness(alpha_u_->mean());
+  }
+}
+
+std::string rough_bsdf::to_string() const {
+  std::ostringstream text;
+  text << class_name() << "[\n  distribution = " << distribution_->to_string()
+       << ",\n  alpha_u = " << mi::string::indent(alpha_u_)
+       << ",\n  alpha_v = " << mi::string::indent(alpha_v_) << ",\n  correlated = " << correlated_
+       << ",\n  scattering = " << (multiple_ ? "multiple" : "single") << "\n]";
+  return text.str();
+}
+
+roughness rough_bsdf::roughness_at(const Interaction& si, const Mask& active) const {
+  const auto at = [&](const mi::ref<Texture>& alpha) {
+    return maximum(Float(alpha->eval_1(si, active)), Float(least_roughness));
+  };
+  const Float u = at(alpha_u_);
+  return alpha_u_ == alpha_v_ ? roughness{u, u, true} : roughness{u, at(alpha_v_), false};
+}
+
+facet_statistics<Float> rough_bsdf::statistics(const roughness& r, const vec3<Float>& wi,
+                                               const vec3<Float>& wo, const vec3<Float>& m) const {
+  const vec3<Float> blocking = scaled(wo, Float(select(wo.z > Float(0), Float(-1), Float(1))));
+  return {distribution_->D(r, m), distribution_->sigma(r, wi), distribution_->sigma(r, blocking)};
+}
+
+vec3<Float> rough_bsdf::visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const {
+  const auto bits = [](const Float& x) { return dr::reinterpret_array<UInt32>(dr::detach(x)); };
+  const auto [a, b] = mi::sample_tea_32<UInt32>(bits(sample.x()), bits(sample.y()), 6);
+  const auto uniform = [](const UInt32& word) { return Float(word >> 8) * Float(0x1p-24F); };
+  const std::array<Float, 4> xi{sample.x(), sample.y(), uniform(a), uniform(b)};
+  const roughness fixed{dr::detach(r.u), dr::detach(r.v), r.isotropic};
+  const vec3<Float> m = distribution_->sample_visible(fixed, wi, xi);
+  return {dr::detach(m.x), dr::detach(m.y), dr::detach(m.z)};
+}
+
+bool rough_bsdf::differentiated(const roughness& r) const {
+  return dr::grad_enabled(r.u, r.v) || distribution_->differentiated();
+}
+
+}  // namespace microfacet::plugin

@@ -1,0 +1,68 @@
+// What both BSDFs have in common: a distribution of normals, its roughness as textures, and how light is
+// scattered between facets.
+#pragma once
+
+#include <mitsuba/core/properties.h>
+#include <mitsuba/core/random.h>
+#include <mitsuba/render/bsdf.h>
+#include <mitsuba/render/texture.h>
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "distribution.hpp"
+#include "microfacet/bsdf/geometry.hpp"
+#include "microfacet/bsdf/masking.hpp"
+#include "variant.hpp"
+
+namespace microfacet::plugin {
+
+namespace dr = drjit;
+namespace mi = mitsuba;
+
+using Base = mi::BSDF<Float, Spectrum>;
+using Texture = mi::Texture<Float, Spectrum>;
+using Interaction = mi::SurfaceInteraction<Float, Spectrum>;
+using Sample = mi::BSDFSample3<Float, Spectrum>;
+using Mask = dr::mask_t<Float>;
+using UInt32 = dr::uint32_array_t<Float>;
+using Vector3 = mi::Vector<Float, 3>;
+using Point2 = mi::Point<Float, 2>;
+using Unpolarized = mi::unpolarized_spectrum_t<Spectrum>;
+
+inline vec3<Float> local(const Vector3& w) { return {w.x(), w.y(), w.z()}; }
+inline Vector3 local(const vec3<Float>& w) { return {w.x, w.y, w.z}; }
+
+class rough_bsdf : public Base {
+ public:
+  void traverse(mi::TraversalCallback* callback) override;
+  void parameters_changed(const std::vector<std::string>& keys = {}) override;
+  std::string to_string() const override;
+
+ protected:
+  explicit rough_bsdf(const mi::Properties& properties);
+
+  template <class... Arguments>
+  [[noreturn]] static void fail(const mi::Properties& properties, const char* format,
+                                const Arguments&... arguments) {
+    throw std::runtime_error(std::string(properties.plugin_name()) + ": " +
+                             tfm::format(format, arguments...));
+  }
+
+  roughness roughness_at(const Interaction& si, const Mask& active) const;
+  // Density at m, area of the facets that wi sees, and that in the way of wo on either side.
+  facet_statistics<Float> statistics(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo,
+                                     const vec3<Float>& m) const;
+  // A normal that wi sees, from the two uniform numbers of a sample and more that are made of their bits.
+  vec3<Float> visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const;
+  // Whether the value of a sample has to be differentiated.
+  bool differentiated(const roughness& r) const;
+
+  mi::ref<distribution> distribution_;
+  mi::ref<Texture> alpha_u_, alpha_v_;
+  bool correlated_ = true, multiple_ = false;
+};
+
+}  // namespace microfacet::plugin

@@ -1,0 +1,67 @@
+#include "tables.hpp"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "microfacet/family/all.hpp"
+#include "microfacet/family/radial_tables.hpp"
+
+namespace microfacet::plugin {
+
+namespace {
+
+using tables = radial_tables<float>;
+
+void build(tables& t, const table_request& request, bool all) {
+  const unsigned of_directions = of_P22 | of_slope_excess;
+  const unsigned functions = all ? of_directions | of_radius | of_P2 | of_visible : of_directions;
+  if (request.family == "beckmann") t.build(beckmann<double>(), of_visible);
+  if (request.family == "student_t") t.build(student_t<double>(request.shape), of_slope_excess | of_visible);
+  if (request.family == "gtr") t.build(gtr<double>(request.alpha, request.shape), functions);
+  if (request.family == "bessel_k") t.build(bessel_k<double>(request.shape), functions);
+}
+
+void flatten(const tables::table& t, float* floats, std::int32_t* integers) {
+  using layout = table_layout;
+  static_assert(tables::table::most_pieces == layout::pieces && tables::table::terms == layout::terms);
+  std::copy(t.centre.begin(), t.centre.end(), floats + layout::centre);
+  std::transform(t.twice_value.begin(), t.twice_value.end(), floats + layout::value,
+                 [](float twice) { return 0.5F * twice; });
+  for (std::size_t k = 0; k < layout::terms; ++k)
+    std::copy(t.coefficient[k].begin(), t.coefficient[k].end(),
+              floats + layout::coefficient + k * layout::pieces);
+  floats[layout::last] = t.last, floats[layout::lower] = t.lower, floats[layout::at_zero] = t.at_zero;
+  const std::size_t cells = tables::table::cells(t.few);
+  for (std::size_t cell = 0; cell < cells; ++cell)
+    integers[cell] = static_cast<std::int32_t>(t.piece_of_cell(cell));
+  integers[layout::base] = t.base, integers[layout::shift] = t.shift;
+  integers[layout::mask] = static_cast<std::int32_t>(cells - 1);
+}
+
+}  // namespace
+
+void flat_tables::append(const table_request& request, bool all) {
+  const auto t = std::make_unique<tables>();
+  build(*t, request, all);
+  const std::array<const tables::table*, table_functions> functions{&t->root_D,
+                                                                    &t->radius,
+                                                                    &t->root_P2,
+                                                                    &t->slope_excess,
+                                                                    &t->visible.moment,
+                                                                    &t->visible.moment_radius,
+                                                                    &t->visible.marginal_radius,
+                                                                    &t->visible.excess_radius};
+  if (floats.empty()) {
+    first_moment = t->visible.first_moment, inverse_P2 = t->visible.inverse_P2;
+    samples = t->visible.falls && t->visible.excess_radius.error < 1e-3;
+  }
+  for (const tables::table* f : functions) {
+    const std::size_t at = floats.size(), cell = integers.size();
+    floats.resize(at + table_layout::floats);
+    integers.resize(cell + table_layout::integers);
+    flatten(*f, floats.data() + at, integers.data() + cell);
+  }
+}
+
+}  // namespace microfacet::plugin

@@ -1,0 +1,53 @@
+// Prepared polynomials (family/radial_tables.hpp) as flat arrays, which a traced program can gather from.
+// Built in a source of its own, which knows nothing of Mitsuba.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace microfacet::plugin {
+
+// The functions of a block, in their order.
+enum table_function : std::uint32_t {
+  table_root_D,
+  table_radius,
+  table_root_P2,
+  table_slope_excess,
+  table_moment,
+  table_moment_radius,
+  table_marginal_radius,
+  table_excess_radius,
+  table_functions
+};
+
+// Where the numbers of one function lie.
+struct table_layout {
+  static constexpr std::uint32_t pieces = 32, terms = 8, cells = 256;
+  // Rows of 32: centres, values there, coefficients, and one row of `last`, `lower`, `at_zero`.
+  static constexpr std::uint32_t centre = 0, value = pieces, coefficient = 2 * pieces,
+                                 last = (2 + terms) * pieces, lower = last + 1, at_zero = last + 2,
+                                 floats = last + 4;
+  // The piece of each cell, then `base`, `shift` and the number of cells less one.
+  static constexpr std::uint32_t base = cells, shift = cells + 1, mask = cells + 2, integers = cells + 4;
+};
+
+// A density of unit roughness (of roughness alpha for gtr) and its shape parameter; families without one
+// ignore it.
+struct table_request {
+  std::string_view family;
+  double alpha, shape;
+};
+
+// One block for each request: all functions for the first, for the others what derivatives need.
+struct flat_tables {
+  std::vector<float> floats;
+  std::vector<std::int32_t> integers;
+  float first_moment = 0, inverse_P2 = 0;  // of the first request
+  bool samples = false;                    // whether visible normals can be drawn from the first
+
+  void append(const table_request& request, bool all);
+};
+
+}  // namespace microfacet::plugin
