@@ -5,6 +5,7 @@
 #include <string>
 
 #include "conductor.hpp"
+#include "dielectric.hpp"
 #include "variant.hpp"
 
 namespace microfacet::plugin {
@@ -28,6 +29,7 @@ extern "C" [[gnu::visibility("default")]] const char* microfacet_register() {
   static std::string error;
   try {
     microfacet::plugin::add<microfacet::plugin::rough_conductor>("microfacet_conductor");
+    microfacet::plugin::add<microfacet::plugin::rough_dielectric>("microfacet_dielectric");
     return nullptr;
   } catch (const std::exception& e) {
     error = e.what();

@@ -1,0 +1,174 @@
+#include "dielectric.hpp"
+
+#include <mitsuba/render/ior.h>
+#include <mitsuba/render/mueller.h>
+
+namespace microfacet::plugin {
+
+namespace {
+
+// A number or the name of a medium.
+float index_of_refraction(const mi::Properties& properties, const char* name, const char* medium) {
+  const float value = mi::lookup_ior(properties, name, medium);
+  if (!(value > 0 && value < 1e4F))
+    throw std::runtime_error(tfm::format("%s: \"%s\" is %g, an index of refraction lies in (0, 1e4)",
+                                         properties.plugin_name(), name, value));
+  return value;
+}
+
+}  // namespace
+
+rough_dielectric::rough_dielectric(const mi::Properties& properties) : rough_bsdf(properties) {
+  const float below = index_of_refraction(properties, "int_ior", "bk7"),
+              above = index_of_refraction(properties, "ext_ior", "air");
+  if (below == above)
+    fail(properties, "\"int_ior\" equals ext_ior, %g: such an interface deflects nothing", below);
+  eta_ = Float(below / above);
+  dr::make_opaque(eta_);
+  const auto texture = [&](const char* name) -> mi::ref<Texture> {
+    if (!properties.has_property(name)) return nullptr;
+    return properties.get_texture<Texture>(name, 1.F);
+  };
+  specular_reflectance_ = texture("specular_reflectance");
+  specular_transmittance_ = texture("specular_transmittance");
+  const std::uint32_t common = +mi::BSDFFlags::FrontSide | +mi::BSDFFlags::BackSide |
+                               (alpha_u_ != alpha_v_ ? +mi::BSDFFlags::Anisotropic : 0U);
+  m_components = {common | +mi::BSDFFlags::GlossyReflection,
+                  common | +mi::BSDFFlags::GlossyTransmission | +mi::BSDFFlags::NonSymmetric};
+  m_flags = m_components[0] | m_components[1];
+}
+
+void rough_dielectric::traverse(mi::TraversalCallback* callback) {
+  rough_bsdf::traverse(callback);
+  callback->put("eta", eta_, mi::ParamFlags::Differentiable | mi::ParamFlags::Discontinuous);
+  if (specular_reflectance_)
+    callback->put("specular_reflectance", specular_reflectance_, mi::ParamFlags::Differentiable);
+  if (specular_transmittance_)
+    callback->put("specular_transmittance", specular_transmittance_, mi::ParamFlags::Differentiable);
+}
+
+rough_dielectric::meeting::meeting(const rough_dielectric& of, const vec3<Float>& wi_, const vec3<Float>& wo_)
+    : material(dielectric<Float>(of.eta_).turned_over(wi_.z < Float(0))),
+      turned(select(wi_.z < Float(0), Float(-1), Float(1))) {
+  wi = scaled(wi_, turned), wo = scaled(wo_, turned);
+}
+
+Float rough_dielectric::density(const meeting& at, const vec3<Float>& m,
+                                const facet_statistics<Float>& facets, const components& wanted) const {
+  const auto reflected = at.wo.z > Float(0);
+  if (wanted.both()) return at.material.phase(at.wi, at.wo, m, facets);
+  // One alone is drawn for every facet.
+  const Float share = at.material.reflectance(dot(at.wi, m));
+  if (wanted.reflection) return select(reflected, pdf_of_mirrors(facets), Float(0));
+  return select(
+      reflected | (share >= Float(1)), Float(0),
+      Float(at.material.refracted(at.wi, at.wo, m, facets) / maximum(Float(1) - share, Float(1e-6F))));
+}
+
+Float rough_dielectric::leaving(const mi::BSDFContext& context, const meeting& at,
+                                const facet_statistics<Float>& facets) const {
+  const Float value = shadowing<true>(at.wi.z, at.wo.z, facets, correlated_);
+  if (context.mode != mi::TransportMode::Radiance) return value;
+  // Radiance is a density of directions, which refraction crowds or spreads.
+  const Float eta = at.material.eta();
+  return value * select(at.wo.z < Float(0), Float(Float(1) / (eta * eta)), Float(1));
+}
+
+Spectrum rough_dielectric::tint(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                                const meeting& at, const vec3<Float>& m, const Mask& active) const {
+  Spectrum result(1.F);
+  const auto reflected = at.wo.z > Float(0);
+  if constexpr (mi::is_polarized_v<Spectrum>) {
+    const bool radiance = context.mode == mi::TransportMode::Radiance;
+    const Vector3 from = radiance ? wo : si.wi, to = radiance ? si.wi : wo,
+                  facet = local(scaled(m, at.turned));
+    const Float cosine = dr::dot(from, facet), share = at.material.reflectance(dot(at.wi, m));
+    const Spectrum mirrored =
+        mi::mueller::specular_reflection(Unpolarized(cosine), Unpolarized(eta_)) / Unpolarized(share);
+    const Spectrum passed = mi::mueller::specular_transmission(Unpolarized(cosine), Unpolarized(eta_)) /
+                            Unpolarized(maximum(Float(Float(1) - share), Float(1e-6F)));
+    const Spectrum matrix = dr::select(reflected, mirrored, passed);
+    const auto axis = [&](const Vector3& forward) {
+      const Vector3 normal = dr::cross(facet, forward);
+      const Float length2 = dr::squared_norm(normal);
+      return dr::select(length2 > 1e-12F, Vector3(normal * dr::rsqrt(length2)),
+                        mi::mueller::stokes_basis(forward));
+    };
+    result = mi::mueller::rotate_mueller_basis(matrix, -from, axis(-from),
+                                               mi::mueller::stokes_basis(Vector3(-from)), to, axis(to),
+                                               mi::mueller::stokes_basis(to));
+  }
+  const auto tinted = [&](const mi::ref<Texture>& texture, const auto& where) {
+    if (texture)
+      result *= mi::depolarizer<Spectrum>(select(where, texture->eval(si, active & where), Unpolarized(1.F)));
+  };
+  tinted(specular_reflectance_, reflected);
+  tinted(specular_transmittance_, !reflected);
+  return result;
+}
+
+std::pair<Spectrum, Float> rough_dielectric::eval_pdf(const mi::BSDFContext& context, const Interaction& si,
+                                                      const Vector3& wo_, Mask active) const {
+  const components wanted(context);
+  const meeting at(*this, local(si.wi), local(wo_));
+  active &= (at.wi.z > Float(0)) & (at.wo.z != Float(0));
+  if (!wanted.both()) active &= (at.wo.z > Float(0)) == Mask(wanted.reflection);
+  if (!(wanted.reflection || wanted.transmission) || dr::none_or<false>(active))
+    return {Spectrum(0.F), Float(0)};
+  const roughness r = roughness_at(si, active);
+  const vec3<Float> m = at.material.facet(at.wi, at.wo);
+  const facet_statistics<Float> facets = statistics(r, at.wi, at.wo, m);
+  const Float drawn = at.material.phase(at.wi, at.wo, m, facets),
+              value = drawn * leaving(context, at, facets);
+  const Float pdf = wanted.both() ? drawn : density(at, m, facets, wanted);
+  return {tint(context, si, wo_, at, m, active) * select(active, value, Float(0)) & active,
+          select(active, pdf, Float(0))};
+}
+
+Spectrum rough_dielectric::eval(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                                Mask active) const {
+  return eval_pdf(context, si, wo, active).first;
+}
+Float rough_dielectric::pdf(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                            Mask active) const {
+  return eval_pdf(context, si, wo, active).second;
+}
+
+std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& context, const Interaction& si,
+                                                     Float sample1, const Point2& sample2,
+                                                     Mask active) const {
+  Sample result = dr::zeros<Sample>();
+  const components wanted(context);
+  const vec3<Float> wi = local(si.wi);
+  active &= wi.z != Float(0);
+  if (!(wanted.reflection || wanted.transmission) || dr::none_or<false>(active))
+    return {result, Spectrum(0.F)};
+  const roughness r = roughness_at(si, active);
+  meeting at(*this, wi, wi);
+  const vec3<Float> m = visible(r, at.wi, sample2);
+  // At 2 light always passes where it can, below 0 never.
+  const Float choice = wanted.both() ? sample1 : Float(wanted.reflection ? -1.F : 2.F);
+  const scattered<Float> s = at.material.scatter(at.wi, m, choice, choice);
+  const vec3<Float> w{dr::detach(s.w.x), dr::detach(s.w.y), dr::detach(s.w.z)};
+  at.wo = w;
+  const auto passed = s.passed;
+  active &= select(passed, Float(-w.z), w.z) > Float(0);
+  if (!wanted.reflection) active &= passed;
+  const facet_statistics<Float> facets = statistics(r, at.wi, at.wo, m);
+  const Float pdf = density(at, m, facets, wanted);
+  Float weight = leaving(context, at, facets);
+  if (!wanted.both()) weight = weight * at.material.phase(at.wi, at.wo, m, facets) / pdf;
+  // The direction stands still: what changes of its value is that of the density, too.
+  if (differentiated(r) || dr::grad_enabled(eta_)) weight = weight * pdf / dr::detach(pdf);
+  active &= (pdf > Float(0)) & (pdf < Float(inf));
+
+  result.wo = local(scaled(w, at.turned));
+  result.pdf = select(active, dr::detach(pdf), Float(0));
+  result.eta = select(passed, at.material.eta(), Float(1));
+  result.sampled_component = select(passed, UInt32(1), UInt32(0));
+  result.sampled_type =
+      select(passed, UInt32(+mi::BSDFFlags::GlossyTransmission), UInt32(+mi::BSDFFlags::GlossyReflection));
+  return {result, tint(context, si, result.wo, at, m, active) * select(active, weight, Float(0)) & active};
+}
+
+}  // namespace microfacet::plugin
