@@ -1,7 +1,8 @@
-"""Settings for all tests: property tests are the same in every run, and BLAS keeps to one thread."""
+"""Settings for all tests: property tests are the same in every run, BLAS keeps to one thread, one cache."""
 
 import os
 
+import pytest
 from hypothesis import settings
 
 settings.register_profile("microfacet", deadline=None, derandomize=True, database=None)
@@ -10,3 +11,9 @@ settings.load_profile("microfacet")
 # Where the workers of pytest-xdist fill the cores, the threads of a small eigenvalue problem wait for each
 # other: a hundredth of a second becomes three. NumPy, which is not yet imported, reads it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compiled plugins live with pytest's other memories: one compilation serves all workers and runs."""
+    if cache := getattr(config, "cache", None):
+        os.environ.setdefault("MICROFACET_CACHE", str(cache.mkdir("microfacet")))

@@ -17,6 +17,7 @@ Examples
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from microfacet._family import Family, Parameter, beckmann, bessel_k, families, ggx, gtr, k0, student_t
@@ -89,6 +90,7 @@ __all__ = [
     "fresnel_average",
     "fresnel_conductor",
     "fresnel_dielectric",
+    "get_include",
     "ggx",
     "gtr",
     "k0",
@@ -133,6 +135,26 @@ _LAZY = {
     "sample_terrain": "microfacet._surface",
     "synthesize": "microfacet._surface",
 }
+
+
+def get_include() -> str:
+    """The folder of the C++ headers, for a compiler's ``-I``.
+
+    Returns
+    -------
+    str
+        The folder that has ``microfacet/smith/ndf.hpp`` and all else that is included as ``microfacet/...``.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import microfacet as mf
+    >>> pathlib.Path(mf.get_include(), "microfacet", "smith", "ndf.hpp").exists()
+    True
+    """
+    here = Path(__file__).parent
+    installed = here / "include"
+    return str(installed if installed.is_dir() else here.parent.parent / "include")
 
 
 def _version() -> str:

@@ -1,0 +1,92 @@
+"""The folder that keeps compiled plugins, each beside a record of what its check found."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import platformdirs
+from filelock import FileLock, Timeout
+
+from microfacet._files import replacing
+
+__all__ = ["directory", "library_in", "locked", "prune", "read_record", "scratch_prefix", "write_record"]
+
+KEPT = 12  # libraries, of all variants and versions together
+PATIENCE = 900.0  # seconds to wait for another process that compiles the same
+scratch_prefix = ".compiling-"
+
+
+def directory() -> Path:
+    """$MICROFACET_CACHE/mitsuba, or the same in the user's folder for caches."""
+    chosen = os.environ.get("MICROFACET_CACHE") or platformdirs.user_cache_dir("microfacet", appauthor=False)
+    return Path(chosen).expanduser().absolute() / "mitsuba"
+
+
+def library_in(folder: Path, variant: str, key: str) -> Path:
+    return folder / f"{variant}-{key}.so"
+
+
+@contextmanager
+def locked(name: str) -> Iterator[Path]:
+    """The folder, made if need be, to one process at a time for each `name`."""
+    folder = directory()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / f"{name}.lock", timeout=PATIENCE)
+        lock.acquire()
+    except Timeout:
+        minutes = PATIENCE / 60.0
+        raise ImportError(f"another process has been compiling in {folder} for {minutes:.0f} min") from None
+    except OSError as error:
+        raise ImportError(
+            f"the folder {folder} cannot be written ({error.strerror}): choose another in MICROFACET_CACHE"
+        ) from None
+    try:
+        yield folder
+    finally:
+        lock.release()
+
+
+def _digest(path: Path) -> str:
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def read_record(path: Path) -> str | None:
+    """What the check of the library at `path` found, "" for nothing; None where it has to be made (again).
+
+    That is where it is missing, not the file that was checked, or its record not readable.
+    """
+    try:
+        record = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+        if record["sha256"] != _digest(path):
+            return None
+        os.utime(path)  # the least recently used are dropped first
+        return str(record["objection"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def write_record(path: Path, objection: str) -> None:
+    """Remember what the check of the library at `path` found."""
+    record = {"sha256": _digest(path), "objection": objection}
+    with replacing(path.with_suffix(".json")) as stream:
+        stream.write(json.dumps(record).encode())
+
+
+def prune(folder: Path) -> None:
+    """Drop all but the most recently used libraries, and what killed processes left."""
+    libraries = sorted(folder.glob("*.so"), key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in libraries[KEPT:]:
+        path.unlink(missing_ok=True)
+        path.with_suffix(".json").unlink(missing_ok=True)
+    for left in folder.glob(f"{scratch_prefix}*"):
+        if time.time() - left.stat().st_mtime > PATIENCE:
+            shutil.rmtree(left, ignore_errors=True)
