@@ -1,9 +1,9 @@
 #include "conductor.hpp"
 
 #include <mitsuba/render/ior.h>
-#include <mitsuba/render/mueller.h>
 
 #include "microfacet/bsdf/fresnel.hpp"
+#include "polarisation.hpp"
 
 namespace microfacet::plugin {
 
@@ -37,24 +37,16 @@ void rough_conductor::traverse(mi::TraversalCallback* callback) {
 Spectrum rough_conductor::reflectance(const mi::BSDFContext& context, const Interaction& si,
                                       const Vector3& wo, const vec3<Float>& m, const Mask& active) const {
   Spectrum result(1.F);
-  const Vector3 facet = local(m);
   if (eta_) {
     const Unpolarized eta = maximum(Unpolarized(eta_->eval(si, active)), Unpolarized(1e-6F)),
                       k = k_->eval(si, active);
-    if constexpr (mi::is_polarized_v<Spectrum>) {
-      // Light goes from `from` to `to`, both pointing away; its axes are those of the plane of incidence.
-      const bool radiance = context.mode == mi::TransportMode::Radiance;
-      const Vector3 from = radiance ? wo : si.wi, to = radiance ? si.wi : wo;
-      const Spectrum matrix = mi::mueller::specular_reflection(Unpolarized(dr::dot(from, facet)),
-                                                               dr::Complex<Unpolarized>(eta, k));
-      const Vector3 axis_in = dr::normalize(dr::cross(facet, -from)),
-                    axis_out = dr::normalize(dr::cross(facet, to));
-      result =
-          mi::mueller::rotate_mueller_basis(matrix, -from, axis_in, mi::mueller::stokes_basis(Vector3(-from)),
-                                            to, axis_out, mi::mueller::stokes_basis(to));
-    } else {
-      result = fresnel_conductor(Unpolarized(dr::dot(si.wi, facet)), eta, k);
-    }
+    result = [&]<class Result>(const Result&) -> Result {
+      if constexpr (mi::is_polarized_v<Result>) {
+        return polarised_by_conductor<Result>({context, si, wo}, local(m), eta, k);
+      } else {
+        return fresnel_conductor(Unpolarized(dr::dot(si.wi, local(m))), eta, k);
+      }
+    }(result);
   }
   if (specular_reflectance_) result *= mi::depolarizer<Spectrum>(specular_reflectance_->eval(si, active));
   return result;

@@ -1,7 +1,8 @@
 #include "dielectric.hpp"
 
 #include <mitsuba/render/ior.h>
-#include <mitsuba/render/mueller.h>
+
+#include "polarisation.hpp"
 
 namespace microfacet::plugin {
 
@@ -78,26 +79,12 @@ Spectrum rough_dielectric::tint(const mi::BSDFContext& context, const Interactio
                                 const meeting& at, const vec3<Float>& m, const Mask& active) const {
   Spectrum result(1.F);
   const auto reflected = at.wo.z > Float(0);
-  if constexpr (mi::is_polarized_v<Spectrum>) {
-    const bool radiance = context.mode == mi::TransportMode::Radiance;
-    const Vector3 from = radiance ? wo : si.wi, to = radiance ? si.wi : wo,
-                  facet = local(scaled(m, at.turned));
-    const Float cosine = dr::dot(from, facet), share = at.material.reflectance(dot(at.wi, m));
-    const Spectrum mirrored =
-        mi::mueller::specular_reflection(Unpolarized(cosine), Unpolarized(eta_)) / Unpolarized(share);
-    const Spectrum passed = mi::mueller::specular_transmission(Unpolarized(cosine), Unpolarized(eta_)) /
-                            Unpolarized(maximum(Float(Float(1) - share), Float(1e-6F)));
-    const Spectrum matrix = dr::select(reflected, mirrored, passed);
-    const auto axis = [&](const Vector3& forward) {
-      const Vector3 normal = dr::cross(facet, forward);
-      const Float length2 = dr::squared_norm(normal);
-      return dr::select(length2 > 1e-12F, Vector3(normal * dr::rsqrt(length2)),
-                        mi::mueller::stokes_basis(forward));
-    };
-    result = mi::mueller::rotate_mueller_basis(matrix, -from, axis(-from),
-                                               mi::mueller::stokes_basis(Vector3(-from)), to, axis(to),
-                                               mi::mueller::stokes_basis(to));
-  }
+  const auto polarise = [&]<class Result>(Result& matrix) {
+    if constexpr (mi::is_polarized_v<Result>)
+      matrix = polarised_by_dielectric<Result>({context, si, wo}, local(scaled(m, at.turned)), eta_,
+                                               at.material.reflectance(dot(at.wi, m)), reflected);
+  };
+  polarise(result);
   const auto tinted = [&](const mi::ref<Texture>& texture, const auto& where) {
     if (texture)
       result *= mi::depolarizer<Spectrum>(select(where, texture->eval(si, active & where), Unpolarized(1.F)));
@@ -165,9 +152,9 @@ std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& cont
   result.wo = local(scaled(w, at.turned));
   result.pdf = select(active, dr::detach(pdf), Float(0));
   result.eta = select(passed, at.material.eta(), Float(1));
-  result.sampled_component = select(passed, UInt32(1), UInt32(0));
-  result.sampled_type =
-      select(passed, UInt32(+mi::BSDFFlags::GlossyTransmission), UInt32(+mi::BSDFFlags::GlossyReflection));
+  result.sampled_component = dr::select(passed, UInt32(1), UInt32(0));
+  result.sampled_type = dr::select(passed, UInt32(+mi::BSDFFlags::GlossyTransmission),
+                                   UInt32(+mi::BSDFFlags::GlossyReflection));
   return {result, tint(context, si, result.wo, at, m, active) * select(active, weight, Float(0)) & active};
 }
 
