@@ -20,8 +20,11 @@ True
 from __future__ import annotations
 
 import ctypes
+import sys
 from pathlib import Path
 
+if sys.platform == "win32":
+    raise ImportError("microfacet.mitsuba compiles its plugins on Linux and macOS only")
 try:
     import mitsuba as mi
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
 import os
@@ -12,14 +13,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import platformdirs
-from filelock import FileLock, Timeout
 
 from microfacet._files import replacing
 
 __all__ = ["directory", "library_in", "locked", "prune", "read_record", "scratch_prefix", "write_record"]
 
 KEPT = 12  # libraries, of all variants and versions together
-PATIENCE = 900.0  # seconds to wait for another process that compiles the same
+ABANDONED = 3600.0  # seconds after which what a killed process left is dropped
 scratch_prefix = ".compiling-"
 
 
@@ -39,19 +39,14 @@ def locked(name: str) -> Iterator[Path]:
     folder = directory()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / f"{name}.lock", timeout=PATIENCE)
-        lock.acquire()
-    except Timeout:
-        minutes = PATIENCE / 60.0
-        raise ImportError(f"another process has been compiling in {folder} for {minutes:.0f} min") from None
+        lock = open(folder / f"{name}.lock", "wb")  # noqa: SIM115  # closed below; it goes with the process too
     except OSError as error:
         raise ImportError(
             f"the folder {folder} cannot be written ({error.strerror}): choose another in MICROFACET_CACHE"
         ) from None
-    try:
+    with lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
         yield folder
-    finally:
-        lock.release()
 
 
 def _digest(path: Path) -> str:
@@ -88,5 +83,5 @@ def prune(folder: Path) -> None:
         path.unlink(missing_ok=True)
         path.with_suffix(".json").unlink(missing_ok=True)
     for left in folder.glob(f"{scratch_prefix}*"):
-        if time.time() - left.stat().st_mtime > PATIENCE:
+        if time.time() - left.stat().st_mtime > ABANDONED:
             shutil.rmtree(left, ignore_errors=True)
