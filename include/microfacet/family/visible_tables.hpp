@@ -97,8 +97,14 @@ visible_table<float> excess_radius_table(const Family& family) {
   const auto sample = [&](const double* L, double* f, std::size_t n) {
     in_lanes<typename Family::scalar>(L, f, n, [&](const auto& x) { return samples.excess_radius(x); });
   };
-  return piecewise_fit<visible_table<float>>(sample,
-                                             {-87, 86, 0, 0, std::numeric_limits<float>::min(), 20})();
+  const auto up_to = [&](double upper) {
+    const fit_range range{-87, upper, 0, 0, std::numeric_limits<float>::min(), 20};
+    return piecewise_fit<visible_table<float>>(sample, range)();
+  };
+  // Of very heavy tails J ends where slopes do; it goes on as a power.
+  visible_table<float> t = up_to(86);
+  if (!(t.error < 1)) t = up_to(60);
+  return t;
 }
 
 }  // namespace detail

@@ -105,6 +105,7 @@ template <class Family>
 class family_distribution final : public distribution {
   static constexpr bool has_shape = std::tuple_size_v<decltype(Family::parameters)> > 0;
   static constexpr bool has_tables = traced<Family>::has_tables;
+  static constexpr bool has_peak = std::same_as<Family, k0<Float>> || std::same_as<Family, bessel_k<Float>>;
 
  public:
   explicit family_distribution(const mitsuba::Properties& properties) {
@@ -138,7 +139,10 @@ class family_distribution final : public distribution {
   bool differentiated() const override { return drjit::grad_enabled(shape_) || drjit::grad_enabled(alpha_); }
 
   Float D(const roughness& r, const vector& m) const override {
-    return on(r, [&](const auto& ndf) { return ndf.D(m); });
+    if constexpr (!has_peak) return on(r, [&](const auto& ndf) { return ndf.D(m); });
+    // Directions tell no smaller slopes; so the infinite peak of a density stays a number.
+    const Float x = select(m.x * m.x + m.y * m.y < Float(1e-14F), Float(1e-7F), m.x);
+    return on(r, [&](const auto& ndf) { return ndf.D(vector{x, m.y, m.z}); });
   }
   Float sigma(const roughness& r, const vector& w) const override {
     return on(r, [&](const auto& ndf) { return ndf.sigma(w); });

@@ -25,12 +25,11 @@ void build(tables& t, const table_request& request, bool all) {
 void flatten(const tables::table& t, float* floats, std::int32_t* integers) {
   using layout = table_layout;
   static_assert(tables::table::most_pieces == layout::pieces && tables::table::terms == layout::terms);
-  std::copy(t.centre.begin(), t.centre.end(), floats + layout::centre);
-  std::transform(t.twice_value.begin(), t.twice_value.end(), floats + layout::value,
-                 [](float twice) { return 0.5F * twice; });
-  for (std::size_t k = 0; k < layout::terms; ++k)
-    std::copy(t.coefficient[k].begin(), t.coefficient[k].end(),
-              floats + layout::coefficient + k * layout::pieces);
+  for (std::size_t i = 0; i < layout::pieces; ++i) {
+    float* row = floats + i * layout::row;
+    row[layout::centre] = t.centre[i], row[layout::value] = 0.5F * t.twice_value[i];
+    for (std::size_t k = 0; k < layout::terms; ++k) row[layout::coefficient + k] = t.coefficient[k][i];
+  }
   floats[layout::last] = t.last, floats[layout::lower] = t.lower, floats[layout::at_zero] = t.at_zero;
   const std::size_t cells = tables::table::cells(t.few);
   for (std::size_t cell = 0; cell < cells; ++cell)

@@ -25,10 +25,10 @@ enum table_function : std::uint32_t {
 // Where the numbers of one function lie.
 struct table_layout {
   static constexpr std::uint32_t pieces = 32, terms = 8, cells = 256;
-  // Rows of 32: centres, values there, coefficients, and one row of `last`, `lower`, `at_zero`.
-  static constexpr std::uint32_t centre = 0, value = pieces, coefficient = 2 * pieces,
-                                 last = (2 + terms) * pieces, lower = last + 1, at_zero = last + 2,
-                                 floats = last + 4;
+  // A row for each piece, read as one packet: the centre, the value there, and the coefficients. Then one row
+  // of `last`, `lower` and `at_zero`.
+  static constexpr std::uint32_t row = 16, centre = 0, value = 1, coefficient = 2, last = pieces * row,
+                                 lower = last + 1, at_zero = last + 2, floats = last + row;
   // The piece of each cell, then `base`, `shift` and the number of cells less one.
   static constexpr std::uint32_t base = cells, shift = cells + 1, mask = cells + 2, integers = cells + 4;
 };

@@ -70,17 +70,23 @@ class traced_table {
     const R lower = number(floats + layout::lower);
     const R inside = minimum(maximum(x, lower), R(0x1p126));
     const UInt32 piece = piece_of(dr::detach(minimum(inside, number(floats + layout::last))), integers);
-    const auto row = [&](std::uint32_t first) {
-      return dr::gather<R>(storage_->floats, piece + (floats + first));
-    };
-    const R v = log(inside) - row(layout::centre);
-    const R slope = interleaved<layout::terms>(
-        [&](std::size_t k) {
-          return row(layout::coefficient + static_cast<std::uint32_t>(k) * layout::pieces);
-        },
-        v);
-    const R value = row(layout::value) * exp(R(v * slope));
+    const std::array<R, layout::row> at = row(piece + floats / layout::row);
+    const R v = log(inside) - at[layout::centre];
+    const R slope = interleaved<layout::terms>([&](std::size_t k) { return at[layout::coefficient + k]; }, v);
+    const R value = at[layout::value] * exp(R(v * slope));
     return select(x >= lower, value, number(floats + layout::at_zero));
+  }
+
+  std::array<R, layout::row> row(const UInt32& index) const {
+    std::array<R, layout::row> result;
+    if constexpr (dr::is_jit_v<R>) {
+      const auto packet = dr::gather<dr::Array<R, layout::row>>(storage_->floats, index);
+      for (std::size_t k = 0; k < layout::row; ++k) result[k] = packet.entry(k);
+    } else {
+      for (std::uint32_t k = 0; k < layout::row; ++k)
+        result[k] = dr::gather<R>(storage_->floats, index * layout::row + k);
+    }
+    return result;
   }
 
   // core/piecewise.hpp: the piece follows from the leading bits.
