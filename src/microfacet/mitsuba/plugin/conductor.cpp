@@ -34,22 +34,53 @@ void rough_conductor::traverse(mi::TraversalCallback* callback) {
     callback->put("specular_reflectance", specular_reflectance_, mi::ParamFlags::Differentiable);
 }
 
-Spectrum rough_conductor::reflectance(const mi::BSDFContext& context, const Interaction& si,
-                                      const Vector3& wo, const vec3<Float>& m, const Mask& active) const {
-  Spectrum result(1.F);
+Unpolarized conductor_facets::reflectance(const Float& cosine) const {
+  return mirror ? tint : Unpolarized(tint * fresnel_conductor(Unpolarized(cosine), eta, k));
+}
+facet_event conductor_facets::scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask&,
+                                      const Float&) const {
+  return {reflect(back, m), Mask(false), reflectance(dot(back, m))};
+}
+Unpolarized conductor_facets::phase(const vec3<Float>& back, const vec3<Float>& side, const Mask&,
+                                    const Float& area) const {
+  const vec3<Float> m = reflecting_facet(back, side);
+  return reflectance(dot(back, m)) * pdf_of_mirrors<Float>({normals_.D(roughness_, m), area, Float(0)});
+}
+
+conductor_facets rough_conductor::facets_at(const Interaction& si, const roughness& r,
+                                            const Mask& active) const {
+  conductor_facets facets(*distribution_, r);
+  facets.mirror = !eta_;
   if (eta_) {
-    const Unpolarized eta = maximum(Unpolarized(eta_->eval(si, active)), Unpolarized(1e-6F)),
-                      k = k_->eval(si, active);
-    result = [&]<class Result>(const Result&) -> Result {
-      if constexpr (mi::is_polarized_v<Result>) {
-        return polarised_by_conductor<Result>({context, si, wo}, local(m), eta, k);
-      } else {
-        return fresnel_conductor(Unpolarized(dr::dot(si.wi, local(m))), eta, k);
-      }
-    }(result);
+    facets.eta = maximum(Unpolarized(eta_->eval(si, active)), Unpolarized(1e-6F));
+    facets.k = k_->eval(si, active);
   }
-  if (specular_reflectance_) result *= mi::depolarizer<Spectrum>(specular_reflectance_->eval(si, active));
-  return result;
+  if (specular_reflectance_) facets.tint = specular_reflectance_->eval(si, active);
+  return facets;
+}
+
+Spectrum rough_conductor::reflectance(const mi::BSDFContext& context, const Interaction& si,
+                                      const Vector3& wo, const vec3<Float>& m,
+                                      const conductor_facets& facets) {
+  return [&]<class Result>(Result) -> Result {
+    if constexpr (mi::is_polarized_v<Result>) {
+      const Result tint = mi::depolarizer<Result>(facets.tint);
+      if (facets.mirror) return tint;
+      return polarised_by_conductor<Result>({context, si, wo}, local(m), facets.eta, facets.k) * tint;
+    } else {
+      return facets.reflectance(Float(dr::dot(si.wi, local(m))));
+    }
+  }(Spectrum(0.F));
+}
+
+void rough_conductor::refuse(const roughness& r, const conductor_facets& facets) const {
+  refuse_gradients(r.u, r.v, facets.eta, facets.k, facets.tint);
+  if (distribution_->differentiated()) refuse_gradients_of_walks();
+}
+
+Float rough_conductor::guide(const Float& wo_z, const Float& first_order) {
+  constexpr float diffuse = 0.2F;
+  return (first_order + Float(diffuse / pi) * maximum(wo_z, Float(0))) * Float(1 / (1 + diffuse));
 }
 
 std::pair<Spectrum, Float> rough_conductor::eval_pdf(const mi::BSDFContext& context, const Interaction& si,
@@ -59,11 +90,19 @@ std::pair<Spectrum, Float> rough_conductor::eval_pdf(const mi::BSDFContext& cont
   if (!context.is_enabled(mi::BSDFFlags::GlossyReflection) || dr::none_or<false>(active))
     return {Spectrum(0.F), Float(0)};
   const roughness r = roughness_at(si, active);
+  const conductor_facets facets = facets_at(si, r, active);
   const vec3<Float> m = reflecting_facet(wi, wo);
   const facet_statistics<Float> at = statistics(r, wi, wo, m);
-  const Float pdf = pdf_of_mirrors(at), leaving = pdf * shadowing<false>(wi.z, wo.z, at, correlated_);
-  return {reflectance(context, si, wo_, m, active) * select(active, leaving, Float(0)) & active,
-          select(active, pdf, Float(0))};
+  Float pdf = pdf_of_mirrors(at);
+  const Float leaving = pdf * shadowing<false>(wi.z, wo.z, at, correlated_);
+  Spectrum value = reflectance(context, si, wo_, m, facets) * select(active, leaving, Float(0));
+  if (multiple_) {
+    refuse(r, facets);
+    const walk_seed seed = walk_seed::of(wi.x, wi.y, wi.z, wo.x, wo.y, wo.z, si.p.x(), si.p.y());
+    value += depolarised(facet_walk(*distribution_, r, facets, seed).rest(wi, wo, active));
+    pdf = guide(wo.z, pdf);
+  }
+  return {value & active, select(active, pdf, Float(0))};
 }
 
 Spectrum rough_conductor::eval(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
@@ -76,24 +115,34 @@ Float rough_conductor::pdf(const mi::BSDFContext& context, const Interaction& si
 }
 
 std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& context, const Interaction& si,
-                                                    Float, const Point2& sample2, Mask active) const {
+                                                    Float sample1, const Point2& sample2, Mask active) const {
   Sample result = dr::zeros<Sample>();
   const vec3<Float> wi = local(si.wi);
   active &= wi.z > Float(0);
   if (!context.is_enabled(mi::BSDFFlags::GlossyReflection) || dr::none_or<false>(active))
     return {result, Spectrum(0.F)};
   const roughness r = roughness_at(si, active);
+  const conductor_facets facets = facets_at(si, r, active);
+  result.eta = 1.F, result.sampled_component = 0;
+  result.sampled_type = UInt32(+mi::BSDFFlags::GlossyReflection);
+  if (multiple_) {
+    refuse(r, facets);
+    const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
+    const auto [wo, left] = facet_walk(*distribution_, r, facets, seed).sample(wi, active);
+    result.wo = local(wo);
+    result.pdf = rough_conductor::pdf(context, si, result.wo, active & (wo.z > Float(0)));
+    return {result, depolarised(left) & active & (result.pdf > Float(0))};
+  }
   const vec3<Float> m = visible(r, wi, sample2), wo = reflect(wi, m);
   const facet_statistics<Float> at = statistics(r, wi, wo, m);
-  result.wo = local(wo), result.eta = 1.F, result.sampled_component = 0;
-  result.sampled_type = UInt32(+mi::BSDFFlags::GlossyReflection);
+  result.wo = local(wo);
   const Float pdf = pdf_of_mirrors(at);
   Float weight = shadowing<false>(wi.z, wo.z, at, correlated_);
   // The direction stands still: what changes of its value is that of the density, too.
   if (differentiated(r)) weight = weight * pdf / dr::detach(pdf);
   active &= (wo.z > Float(0)) & (pdf > Float(0)) & (pdf < Float(inf));
   result.pdf = select(active, dr::detach(pdf), Float(0));
-  return {result, reflectance(context, si, result.wo, m, active) * select(active, weight, Float(0)) & active};
+  return {result, reflectance(context, si, result.wo, m, facets) * select(active, weight, Float(0)) & active};
 }
 
 }  // namespace microfacet::plugin

@@ -2,8 +2,28 @@
 #pragma once
 
 #include "rough_bsdf.hpp"
+#include "walk.hpp"
 
 namespace microfacet::plugin {
+
+// Facets at a place of the surface.
+class conductor_facets {
+ public:
+  conductor_facets(const distribution& normals, const roughness& r) : normals_(normals), roughness_(r) {}
+
+  Unpolarized reflectance(const Float& cosine) const;
+  facet_event scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask& below,
+                      const Float& xi) const;
+  Unpolarized phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
+                    const Float& area) const;
+
+  Unpolarized eta, k, tint = Unpolarized(1.F);
+  bool mirror = true;
+
+ private:
+  const distribution& normals_;
+  roughness roughness_;
+};
 
 class rough_conductor final : public rough_bsdf {
  public:
@@ -22,9 +42,14 @@ class rough_conductor final : public rough_bsdf {
                                       const Vector3& wo, Mask active) const override;
 
  private:
+  conductor_facets facets_at(const Interaction& si, const roughness& r, const Mask& active) const;
+  // The density by which directions are weighed beside other strategies: not that of the walk, which has no
+  // closed form, but one of like shape.
+  static Float guide(const Float& wo_z, const Float& first_order);
+  void refuse(const roughness& r, const conductor_facets& facets) const;
   // Fresnel's reflection of a facet, as a Mueller matrix where light is polarised.
-  Spectrum reflectance(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                       const vec3<Float>& m, const Mask& active) const;
+  static Spectrum reflectance(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                              const vec3<Float>& m, const conductor_facets& facets);
 
   mi::ref<Texture> eta_, k_, specular_reflectance_;  // a perfect mirror has no eta
 };

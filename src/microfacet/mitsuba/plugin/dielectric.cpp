@@ -66,13 +66,45 @@ Float rough_dielectric::density(const meeting& at, const vec3<Float>& m,
       Float(at.material.refracted(at.wi, at.wo, m, facets) / maximum(Float(1) - share, Float(1e-6F))));
 }
 
+Float rough_dielectric::radiance_scale(const mi::BSDFContext& context, const meeting& at) {
+  if (context.mode != mi::TransportMode::Radiance) return Float(1);
+  const Float eta = at.material.eta();
+  return select(at.wo.z < Float(0), Float(Float(1) / (eta * eta)), Float(1));
+}
 Float rough_dielectric::leaving(const mi::BSDFContext& context, const meeting& at,
                                 const facet_statistics<Float>& facets) const {
-  const Float value = shadowing<true>(at.wi.z, at.wo.z, facets, correlated_);
-  if (context.mode != mi::TransportMode::Radiance) return value;
-  // Radiance is a density of directions, which refraction crowds or spreads.
-  const Float eta = at.material.eta();
-  return value * select(at.wo.z < Float(0), Float(Float(1) / (eta * eta)), Float(1));
+  return shadowing<true>(at.wi.z, at.wo.z, facets, correlated_) * radiance_scale(context, at);
+}
+
+facet_event dielectric_facets::scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask& below,
+                                       const Float& xi) const {
+  const scattered<Float> s = material_.turned_over(below).scatter(back, m, xi, xi);
+  return {s.w, s.passed, dr::select(s.passed, passed_tint, mirrored_tint) * s.weight};
+}
+Unpolarized dielectric_facets::phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
+                                     const Float& area) const {
+  const dielectric<Float> material = material_.turned_over(below);
+  const vec3<Float> m = material.facet(back, side);
+  const Float sent = material.phase(back, side, m, {normals_.D(roughness_, m), area, Float(0)});
+  return dr::select(side.z > Float(0), mirrored_tint, passed_tint) * sent;
+}
+
+dielectric_facets rough_dielectric::facets_at(const Interaction& si, const roughness& r, const meeting& at,
+                                              const Mask& active) const {
+  dielectric_facets facets(*distribution_, r, at.material);
+  if (specular_reflectance_) facets.mirrored_tint = specular_reflectance_->eval(si, active);
+  if (specular_transmittance_) facets.passed_tint = specular_transmittance_->eval(si, active);
+  return facets;
+}
+
+Float rough_dielectric::guide(const Float& wo_z, const Float& first_order) {
+  constexpr float diffuse = 0.2F;  // half of it on each side
+  return (first_order + Float(0.5F * diffuse / pi) * abs(wo_z)) * Float(1 / (1 + diffuse));
+}
+
+void rough_dielectric::refuse(const roughness& r, const dielectric_facets& facets) const {
+  refuse_gradients(r.u, r.v, eta_, facets.mirrored_tint, facets.passed_tint);
+  if (distribution_->differentiated()) refuse_gradients_of_walks();
 }
 
 Spectrum rough_dielectric::tint(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
@@ -107,9 +139,18 @@ std::pair<Spectrum, Float> rough_dielectric::eval_pdf(const mi::BSDFContext& con
   const facet_statistics<Float> facets = statistics(r, at.wi, at.wo, m);
   const Float drawn = at.material.phase(at.wi, at.wo, m, facets),
               value = drawn * leaving(context, at, facets);
-  const Float pdf = wanted.both() ? drawn : density(at, m, facets, wanted);
-  return {tint(context, si, wo_, at, m, active) * select(active, value, Float(0)) & active,
-          select(active, pdf, Float(0))};
+  Float pdf = wanted.both() ? drawn : density(at, m, facets, wanted);
+  Spectrum result = tint(context, si, wo_, at, m, active) * select(active, value, Float(0));
+  if (multiple_) {
+    const dielectric_facets walls = facets_at(si, r, at, active);
+    refuse(r, walls);
+    const walk_seed seed =
+        walk_seed::of(at.wi.x, at.wi.y, si.wi.z(), at.wo.x, at.wo.y, at.wo.z, si.p.x(), si.p.y());
+    const Unpolarized rest = facet_walk(*distribution_, r, walls, seed).rest(at.wi, at.wo, active);
+    result += depolarised(rest * radiance_scale(context, at));
+    pdf = guide(at.wo.z, drawn);
+  }
+  return {result & active, select(active, pdf, Float(0))};
 }
 
 Spectrum rough_dielectric::eval(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
@@ -130,6 +171,7 @@ std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& cont
   active &= wi.z != Float(0);
   if (!(wanted.reflection || wanted.transmission) || dr::none_or<false>(active))
     return {result, Spectrum(0.F)};
+  if (multiple_) return walk(context, si, sample1, sample2, active);
   const roughness r = roughness_at(si, active);
   meeting at(*this, wi, wi);
   const vec3<Float> m = visible(r, at.wi, sample2);
@@ -156,6 +198,31 @@ std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& cont
   result.sampled_type = dr::select(passed, UInt32(+mi::BSDFFlags::GlossyTransmission),
                                    UInt32(+mi::BSDFFlags::GlossyReflection));
   return {result, tint(context, si, result.wo, at, m, active) * select(active, weight, Float(0)) & active};
+}
+
+std::pair<Sample, Spectrum> rough_dielectric::walk(const mi::BSDFContext& context, const Interaction& si,
+                                                   const Float& sample1, const Point2& sample2,
+                                                   const Mask& active_) const {
+  const components wanted(context);
+  const roughness r = roughness_at(si, active_);
+  meeting at(*this, local(si.wi), local(si.wi));
+  const dielectric_facets walls = facets_at(si, r, at, active_);
+  refuse(r, walls);
+  const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
+  const auto [wo, left] = facet_walk(*distribution_, r, walls, seed).sample(at.wi, active_);
+  at.wo = wo;
+  const auto crossed = wo.z < Float(0);
+  Mask active = active_ & (wo.z != Float(0));
+  if (!wanted.both()) active &= crossed == Mask(wanted.transmission);
+  Sample result = dr::zeros<Sample>();
+  result.wo = local(scaled(wo, at.turned));
+  result.pdf = pdf(context, si, result.wo, active);
+  active &= result.pdf > Float(0);
+  result.eta = select(crossed, at.material.eta(), Float(1));
+  result.sampled_component = dr::select(crossed, UInt32(1), UInt32(0));
+  result.sampled_type = dr::select(crossed, UInt32(+mi::BSDFFlags::GlossyTransmission),
+                                   UInt32(+mi::BSDFFlags::GlossyReflection));
+  return {result, depolarised(left * radiance_scale(context, at)) & active};
 }
 
 }  // namespace microfacet::plugin

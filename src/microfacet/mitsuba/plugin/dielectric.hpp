@@ -3,8 +3,28 @@
 
 #include "microfacet/bsdf/dielectric.hpp"
 #include "rough_bsdf.hpp"
+#include "walk.hpp"
 
 namespace microfacet::plugin {
+
+// Facets at a place of the surface, seen from the side where light comes from.
+class dielectric_facets {
+ public:
+  dielectric_facets(const distribution& normals, const roughness& r, const dielectric<Float>& material)
+      : normals_(normals), roughness_(r), material_(material) {}
+
+  facet_event scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask& below,
+                      const Float& xi) const;
+  Unpolarized phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
+                    const Float& area) const;
+
+  Unpolarized mirrored_tint = Unpolarized(1.F), passed_tint = Unpolarized(1.F);
+
+ private:
+  const distribution& normals_;
+  roughness roughness_;
+  dielectric<Float> material_;
+};
 
 class rough_dielectric final : public rough_bsdf {
  public:
@@ -44,6 +64,15 @@ class rough_dielectric final : public rough_bsdf {
                 const components& wanted) const;
   Float leaving(const mi::BSDFContext& context, const meeting& at,
                 const facet_statistics<Float>& facets) const;
+  // Radiance is a density of directions, which refraction crowds or spreads.
+  static Float radiance_scale(const mi::BSDFContext& context, const meeting& at);
+  dielectric_facets facets_at(const Interaction& si, const roughness& r, const meeting& at,
+                              const Mask& active) const;
+  // As rough_conductor's.
+  static Float guide(const Float& wo_z, const Float& first_order);
+  void refuse(const roughness& r, const dielectric_facets& facets) const;
+  std::pair<Sample, Spectrum> walk(const mi::BSDFContext& context, const Interaction& si,
+                                   const Float& sample1, const Point2& sample2, const Mask& active) const;
   // What depends on wavelength, as a Mueller matrix where light is polarised, over Fresnel's share.
   Spectrum tint(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo, const meeting& at,
                 const vec3<Float>& m, const Mask& active) const;

@@ -37,6 +37,8 @@ rough_bsdf::rough_bsdf(const mi::Properties& properties) : Base(properties) {
   if (scattering != "single" && scattering != "multiple")
     fail(properties, "\"scattering\" is \"%s\", which is neither single nor multiple", scattering);
   multiple_ = scattering == "multiple";
+  if (multiple_ && !correlated_)
+    fail(properties, "\"correlated\" is false, but walks of scattering = multiple correlate heights");
   if (!distribution_->stretches()) distribution_->set_roughness(alpha_u_->mean());
 }
 
@@ -82,13 +84,16 @@ facet_statistics<Float> rough_bsdf::statistics(const roughness& r, const vec3<Fl
 }
 
 vec3<Float> rough_bsdf::visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const {
-  const auto bits = [](const Float& x) { return dr::reinterpret_array<UInt32>(dr::detach(x)); };
-  const auto [a, b] = mi::sample_tea_32<UInt32>(bits(sample.x()), bits(sample.y()), 6);
-  const auto uniform = [](const UInt32& word) { return Float(word >> 8) * Float(0x1p-24F); };
-  const std::array<Float, 4> xi{sample.x(), sample.y(), uniform(a), uniform(b)};
+  const auto [a, b] = mi::sample_tea_32<UInt32>(bits_of(sample.x()), bits_of(sample.y()), 6);
+  const std::array<Float, 4> xi{sample.x(), sample.y(), uniform_of_word(a), uniform_of_word(b)};
   const roughness fixed{dr::detach(r.u), dr::detach(r.v), r.isotropic};
   const vec3<Float> m = distribution_->sample_visible(fixed, wi, xi);
   return {dr::detach(m.x), dr::detach(m.y), dr::detach(m.z)};
+}
+
+void rough_bsdf::refuse_gradients_of_walks() {
+  throw std::runtime_error(
+      "microfacet: scattering = multiple cannot be differentiated; use single, or detach the parameters");
 }
 
 bool rough_bsdf::differentiated(const roughness& r) const {

@@ -32,6 +32,8 @@ using Vector3 = mi::Vector<Float, 3>;
 using Point2 = mi::Point<Float, 2>;
 using Unpolarized = mi::unpolarized_spectrum_t<Spectrum>;
 
+inline Float uniform_of_word(const UInt32& word) { return Float(word >> 8) * Float(0x1p-24F); }
+inline UInt32 bits_of(const Float& x) { return dr::reinterpret_array<UInt32>(dr::detach(x)); }
 inline vec3<Float> local(const Vector3& w) { return {w.x(), w.y(), w.z()}; }
 inline Vector3 local(const vec3<Float>& w) { return {w.x, w.y, w.z}; }
 
@@ -57,6 +59,13 @@ class rough_bsdf : public Base {
                                      const vec3<Float>& m) const;
   // A normal that wi sees, from the two uniform numbers of a sample and more that are made of their bits.
   vec3<Float> visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const;
+  // Walks cannot be differentiated: says so rather than leaving their part out.
+  [[noreturn]] static void refuse_gradients_of_walks();
+  template <class... Values>
+  static void refuse_gradients(const Values&... values) {
+    if ((dr::grad_enabled(values) || ...)) refuse_gradients_of_walks();
+  }
+  static Spectrum depolarised(const Unpolarized& value) { return mi::depolarizer<Spectrum>(Spectrum(value)); }
   // Whether the value of a sample has to be differentiated.
   bool differentiated(const roughness& r) const;
 
