@@ -80,7 +80,9 @@ def compile_flags(variant: str) -> list[str]:
         nanobind_headers.parent / "ext" / "robin_map" / "include",
     ]
     return [
-        *("-std=c++20", "-O2", "-fPIC", "-fvisibility=hidden", "-fno-strict-aliasing", "-DNDEBUG"),
+        # Variants of Dr.Jit run this code only to record kernels: -O1 compiles a third faster.
+        "-O2" if variant.startswith("scalar") else "-O1",
+        *("-std=c++20", "-fPIC", "-fvisibility=hidden", "-fno-strict-aliasing", "-DNDEBUG"),
         # as the compiled core: contraction would undo sums of two numbers
         *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),
         *instruction_set(),
