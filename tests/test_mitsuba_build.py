@@ -238,6 +238,18 @@ def test_a_folder_that_cannot_be_written(stub: Stub) -> None:
         stub.library()
 
 
+def test_a_folder_that_others_have_filled(stub: Stub) -> None:
+    from microfacet.mitsuba import _cache
+
+    def refuse(*_: object) -> None:
+        raise PermissionError
+
+    path = stub.library()
+    stub.monkeypatch.setattr(_cache.os, "utime", refuse)
+    stub.monkeypatch.setattr(_cache, "locked", refuse)
+    assert stub.library() == path
+
+
 def test_processes_that_need_the_same_compile_it_once(stub: Stub) -> None:
     log, wrapper = stub.sources.parent / "log", stub.sources.parent / "wrapper"
     wrapper.write_text(f'#!/bin/sh\necho "$@" >> {log}\nsleep 0.2\nexec g++ "$@"\n', encoding="utf-8")

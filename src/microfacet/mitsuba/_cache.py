@@ -9,7 +9,7 @@ import os
 import shutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import platformdirs
@@ -63,10 +63,12 @@ def read_record(path: Path) -> str | None:
         record = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
         if record["sha256"] != _digest(path):
             return None
-        os.utime(path)  # the least recently used are dropped first
-        return str(record["objection"])
+        objection = str(record["objection"])
     except (OSError, ValueError, KeyError, TypeError):
         return None
+    with suppress(OSError):  # a folder that others fill may not be ours to write
+        os.utime(path)  # the least recently used are dropped first
+    return objection
 
 
 def write_record(path: Path, objection: str) -> None:
