@@ -34,8 +34,9 @@ PYTHON_LAYERS = (
     {"_family", "_radial", "_bsdf"},
     {"__init__"},  # the public names; what lies above them it loads on demand only
     {"testing", "plot", "_checks", "_surface", "_bake"},
-    {"_fit"},
-    {"_report", "_console", "mitsuba"},
+    {"_fit", "mitsuba"},
+    {"_render"},
+    {"_report", "_console"},
     {"cli"},
 )
 LONGEST = {".hpp": 200, ".py": 300}

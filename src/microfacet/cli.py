@@ -16,6 +16,7 @@ import click
 import microfacet as mf
 from microfacet._console.bake import bake
 from microfacet._console.fit_command import fit_files, fit_options
+from microfacet._console.gallery import gallery
 from microfacet._console.program import (
     Program,
     families_option,
@@ -25,6 +26,7 @@ from microfacet._console.program import (
     surface_options,
     view_options,
 )
+from microfacet._console.render import render
 from microfacet._console.synthesize import synthesize
 
 __all__ = ["main"]
@@ -285,6 +287,8 @@ def families(as_json: bool) -> None:
 
 main.add_command(synthesize)
 main.add_command(bake)
+main.add_command(render)
+main.add_command(gallery)
 
 
 if __name__ == "__main__":

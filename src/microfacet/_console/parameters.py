@@ -7,7 +7,7 @@ from typing import Any
 
 import microfacet as mf
 
-__all__ = ["arguments", "distribution", "family_named"]
+__all__ = ["arguments", "distribution", "family_named", "stretched"]
 
 
 def family_named(name: str) -> Any:
@@ -34,3 +34,16 @@ def distribution(family: Any, values: Mapping[str, float]) -> Any:
     """The frozen distribution; ValueError when a value lies outside its interval."""
     arguments(family, values)
     return family.cls(**values)
+
+
+def stretched(family: Any, values: Mapping[str, float]) -> Any:
+    """The frozen distribution, of one roughness or of two along axes; ValueError when values do not fit."""
+    axes = [name for name in values if name in ("alpha_x", "alpha_y", "rotation")]
+    if axes and not family.anisotropic:
+        raise ValueError(f"{family.name} has no {axes[0]}: its alpha is no stretch")
+    try:
+        return family.cls(**values)
+    except TypeError:  # a parameter that the family does not have, or one that it lacks
+        names = " and ".join(parameter.name for parameter in family.parameters)
+        given = " and ".join(values) or "none"
+        raise ValueError(f"{family.name} takes {names}, got {given}") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import signal
 import sys
@@ -14,6 +15,7 @@ import click
 
 __all__ = [
     "Program",
+    "axes_options",
     "families_option",
     "json_option",
     "parameter_options",
@@ -82,6 +84,35 @@ def parameter_options(command: Command) -> Command:
         options = {"alpha": alpha, "gamma": gamma, "a": a}
         given = {name: value for name, value in options.items() if value is not None}
         return command(parameters=given, **rest)
+
+    return wrapped
+
+
+def axes_options(command: Command) -> Command:
+    """Options for roughness along two axes, added to `parameters` (their angle in radians)."""
+
+    @click.option(
+        "--alpha-x",
+        "--alpha-u",
+        "alpha_x",
+        type=float,
+        metavar="X",
+        help="Roughness along x, with --alpha-y in place of --alpha.",
+    )
+    @click.option("--alpha-y", "--alpha-v", "alpha_y", type=float, metavar="X", help="Roughness along y.")
+    @click.option("--rotation", type=float, metavar="DEGREES", help="Of these axes, counter-clockwise.")
+    @functools.wraps(command)
+    def wrapped(
+        parameters: dict[str, float],
+        alpha_x: float | None,
+        alpha_y: float | None,
+        rotation: float | None,
+        **rest: Any,
+    ) -> Any:
+        angle = None if rotation is None else math.radians(rotation)
+        axes = {"alpha_x": alpha_x, "alpha_y": alpha_y, "rotation": angle}
+        given = {name: value for name, value in axes.items() if value is not None}
+        return command(parameters=parameters | given, **rest)
 
     return wrapped
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,8 @@ import click
 import numpy as np
 
 import microfacet as mf
-from microfacet._console.parameters import family_named
-from microfacet._console.program import json_option, parameter_options
+from microfacet._console.parameters import family_named, stretched
+from microfacet._console.program import axes_options, json_option, parameter_options
 from microfacet._files import replacing
 
 __all__ = ["synthesize"]
@@ -21,11 +20,7 @@ __all__ = ["synthesize"]
 @click.command()
 @click.argument("family")
 @parameter_options
-@click.option(
-    "--alpha-x", type=float, metavar="X", help="Roughness along x, with --alpha-y in place of --alpha."
-)
-@click.option("--alpha-y", type=float, metavar="X", help="Roughness along y.")
-@click.option("--rotation", type=float, metavar="DEGREES", help="Of these axes, counter-clockwise.")
+@axes_options
 @click.option(
     "--shape",
     type=click.IntRange(min=16),
@@ -46,9 +41,6 @@ __all__ = ["synthesize"]
 def synthesize(
     family: str,
     parameters: dict[str, float],
-    alpha_x: float | None,
-    alpha_y: float | None,
-    rotation: float | None,
     shape: tuple[int, int],
     output: str,
     as_json: bool,
@@ -65,21 +57,7 @@ def synthesize(
     """
     if Path(output).suffix != ".npz":
         raise click.UsageError(f"output must end in .npz, got {output!r}")
-    entry = family_named(family)
-    axes = {
-        "alpha_x": alpha_x,
-        "alpha_y": alpha_y,
-        "rotation": None if rotation is None else math.radians(rotation),
-    }
-    given = parameters | {name: value for name, value in axes.items() if value is not None}
-    unknown = [name for name in given if name in axes and not entry.anisotropic]
-    if unknown:
-        raise click.UsageError(f"{family} has no {unknown[0]}: its alpha is no stretch")
-    try:
-        ndf = entry.cls(**given)
-    except TypeError:  # a parameter that the family does not have, or one that it lacks
-        names = " and ".join(parameter.name for parameter in entry.parameters)
-        raise click.UsageError(f"{family} takes {names}, got {' and '.join(given) or 'none'}") from None
+    ndf = stretched(family_named(family), parameters)
     surface = mf.synthesize(ndf, (shape[1], shape[0]), **how)
     with replacing(output) as stream:
         np.savez(
