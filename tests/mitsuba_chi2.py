@@ -8,6 +8,7 @@ cells are integrated adaptively, and the histogram, the pooling and the statisti
 from __future__ import annotations
 
 import json
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -19,7 +20,7 @@ import numpy as np
 from mitsuba.chi2 import BSDFAdapter, ChiSquareTest, SphericalDomain
 
 from material_cases import towards
-from microfacet.testing import chi2, sidak
+from microfacet.testing import chi2
 from mitsuba_cases import Case, cases
 
 SIGNIFICANCE = 0.01
@@ -27,7 +28,6 @@ SUBDIVISIONS = 64  # of each side of a cell; with 32 and less the harness reject
 NODES, WEIGHTS = (0.5 * (a + b) for a, b in zip(np.polynomial.legendre.leggauss(20), (1.0, 0.0), strict=True))
 PRECISION = 0.02  # of an integral, beside the scatter of the count
 HALVINGS = 60
-F64 = mitsuba.Float64
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class Outcome:
     drawn: float  # share of samples that have a weight
     seconds: float
     messages: str
+    plain: float = math.nan  # p-value of the harness as it comes
 
 
 class Adaptive(ChiSquareTest):
@@ -78,7 +79,7 @@ class Adaptive(ChiSquareTest):
 
     def _integrals(self, panels: Any) -> Any:
         """Over panels of phi and -cos(theta) (4, n), by Gauss's rule; the directions in double precision."""
-        n, nodes = panels.shape[1], len(NODES)
+        n, nodes, F64 = panels.shape[1], len(NODES), mitsuba.Float64
         index = drjit.arange(mitsuba.UInt32, n * nodes * nodes)
         panel = index // (nodes * nodes)
         point = index - panel * (nodes * nodes)
@@ -99,17 +100,23 @@ def _halved(panels: Any, axis: int) -> tuple[Any, Any]:
     return first, second
 
 
-def run(case: Case, tests: int, samples: int = 1_000_000) -> Outcome:
-    """One test of `tests`; in a variant of arrays."""
+def run(case: Case, tests: int, samples: int = 1_000_000, plain: bool = False) -> Outcome:
+    """One test of `tests`, in a variant of arrays; if `plain`, of the harness as it comes too."""
     begin = time.perf_counter()
     wi = [float(x) for x in towards(case.degrees, case.azimuth)]
-    functions = BSDFAdapter(case.plugin, case.properties, wi=wi)
-    harness = Adaptive
-    test = harness(SphericalDomain(), *functions, 3, samples, ires=SUBDIVISIONS)
+    given = (SphericalDomain(), *BSDFAdapter(case.plugin, case.properties, wi=wi), 3, samples)
+    test = Adaptive(*given)
     passed = test.run(SIGNIFICANCE, tests, quiet=True)
+    as_it_comes = math.nan
+    if plain:
+        other = ChiSquareTest(*given, ires=SUBDIVISIONS)
+        other.run(SIGNIFICANCE, tests, quiet=True)
+        as_it_comes = 0.0 if other.fail else float(other.p_value)
     mass, drawn = float(test.pdf_sum[0]), float(test.histogram_sum[0])
     spent = time.perf_counter() - begin
-    return Outcome(str(case), float(test.p_value), bool(passed), mass, drawn, spent, test.messages)
+    return Outcome(
+        str(case), float(test.p_value), bool(passed), mass, drawn, spent, test.messages, as_it_comes
+    )
 
 
 def run_scalar(case: Case, tests: int, samples: int = 20_000) -> Outcome:
@@ -141,7 +148,7 @@ def run_scalar(case: Case, tests: int, samples: int = 20_000) -> Outcome:
     return Outcome(str(case), found.p_value, found.passed, found.mass, drawn, spent, repr(found))
 
 
-def run_named(names: list[str], tests: int, **options: int) -> Iterator[Outcome]:
+def run_named(names: list[str], tests: int, **options: Any) -> Iterator[Outcome]:
     """The cases of these names."""
     known = {str(case): case for case in (*cases(), *cases(built_in=True))}
     harness = run_scalar if mitsuba.variant().startswith("scalar") else run
@@ -149,12 +156,7 @@ def run_named(names: list[str], tests: int, **options: int) -> Iterator[Outcome]
         yield harness(known[name], tests, **options)
 
 
-def threshold(tests: int) -> float:
-    """What each of `tests` p-values has to exceed."""
-    return float(sidak(SIGNIFICANCE, tests))
-
-
-def report(names: list[str], tests: int, **options: int) -> None:
+def report(names: list[str], tests: int, **options: Any) -> None:
     """Outcomes as lines of JSON."""
     for outcome in run_named(names, tests, **options):
         print(json.dumps(asdict(outcome)), flush=True)
