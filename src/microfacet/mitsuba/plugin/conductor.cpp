@@ -44,7 +44,8 @@ facet_event conductor_facets::scatter(const vec3<Float>& back, const vec3<Float>
 Unpolarized conductor_facets::phase(const vec3<Float>& back, const vec3<Float>& side, const Mask&,
                                     const Float& area) const {
   const vec3<Float> m = reflecting_facet(back, side);
-  return reflectance(dot(back, m)) * pdf_of_mirrors<Float>({normals_.D(roughness_, m), area, Float(0)});
+  return reflectance(dot(back, m)) *
+         pdf_of_mirrors<Float>({normals_.D(roughness_, m, resolution_of(back, m)), area, Float(0)});
 }
 
 conductor_facets rough_conductor::facets_at(const Interaction& si, const roughness& r,

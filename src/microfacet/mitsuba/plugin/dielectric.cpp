@@ -85,7 +85,8 @@ Unpolarized dielectric_facets::phase(const vec3<Float>& back, const vec3<Float>&
                                      const Float& area) const {
   const dielectric<Float> material = material_.turned_over(below);
   const vec3<Float> m = material.facet(back, side);
-  const Float sent = material.phase(back, side, m, {normals_.D(roughness_, m), area, Float(0)});
+  const Float sent =
+      material.phase(back, side, m, {normals_.D(roughness_, m, resolution_of(back, m)), area, Float(0)});
   return dr::select(side.z > Float(0), mirrored_tint, passed_tint) * sent;
 }
 

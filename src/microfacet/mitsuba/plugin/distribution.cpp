@@ -54,31 +54,31 @@ class with_tables : public prepared<Float, tables> {
 template <class Closed>
 struct traced {
   static constexpr bool has_tables = false;
-  static Closed make(const tables&, const Float&, const Float&) { return Closed(); }
+  static Closed make(const tables*, const Float&, const Float&) { return Closed(); }
 };
 template <>
 struct traced<beckmann<Float>> {
   static constexpr bool has_tables = true;
-  static auto make(const tables& t, const Float&, const Float&) { return with_table<beckmann<Float>>(t); }
+  static auto make(const tables* t, const Float&, const Float&) { return with_table<beckmann<Float>>(*t); }
 };
 template <>
 struct traced<student_t<Float>> {
   static constexpr bool has_tables = true;
-  static auto make(const tables& t, const Float&, const Float& shape) {
-    return with_table<student_t<Float>>(t, shape);
+  static auto make(const tables* t, const Float&, const Float& shape) {
+    return with_table<student_t<Float>>(*t, shape);
   }
 };
 template <>
 struct traced<gtr<Float>> {
   static constexpr bool has_tables = true;
-  static auto make(const tables& t, const Float& alpha, const Float& shape) {
-    return with_tables<gtr<Float>>(t, alpha, shape);
+  static auto make(const tables* t, const Float& alpha, const Float& shape) {
+    return with_tables<gtr<Float>>(*t, alpha, shape);
   }
 };
 template <>
 struct traced<bessel_k<Float>> {
   static constexpr bool has_tables = true;
-  static auto make(const tables& t, const Float&, const Float&) { return prepared<Float, tables>(t); }
+  static auto make(const tables* t, const Float&, const Float&) { return prepared<Float, tables>(*t); }
 };
 
 template <class... Arguments>
@@ -132,17 +132,18 @@ class family_distribution final : public distribution {
     if (stretches()) build();
   }
   bool stretches() const override { return Family::shape_invariant; }
-  void set_roughness(const Float& alpha) override {
-    alpha_ = alpha;
+  void set_roughness(const Float& alpha, bool varies) override {
+    alpha_ = alpha, varies_ = varies;
     build();
   }
   bool differentiated() const override { return drjit::grad_enabled(shape_) || drjit::grad_enabled(alpha_); }
 
-  Float D(const roughness& r, const vector& m) const override {
+  Float D(const roughness& r, const vector& m, const Float& resolution) const override {
     if constexpr (!has_peak) return on(r, [&](const auto& ndf) { return ndf.D(m); });
     // Directions tell no smaller slopes; so the infinite peak of a density stays a number.
-    const Float x = select(m.x * m.x + m.y * m.y < Float(1e-14F), Float(1e-7F), m.x);
-    return on(r, [&](const auto& ndf) { return ndf.D(vector{x, m.y, m.z}); });
+    const auto peak = m.x * m.x + m.y * m.y < resolution * resolution;
+    const vector off_peak{select(peak, resolution, m.x), select(peak, Float(0), m.y), m.z};
+    return on(r, [&](const auto& ndf) { return ndf.D(off_peak); });
   }
   Float sigma(const roughness& r, const vector& w) const override {
     return on(r, [&](const auto& ndf) { return ndf.sigma(w); });
@@ -154,52 +155,70 @@ class family_distribution final : public distribution {
  private:
   template <class Use>
   auto on(const roughness& r, const Use& use) const {
-    const auto family = traced<Family>::make(tables_, alpha_, shape_);
-    using traced_family = std::remove_const_t<decltype(family)>;
-    const auto under = [&]<class Shape>(const Shape& shape) {
-      return use(ndf<traced_family, Float, Shape>(family, shape));
+    const Float alpha = varies_ ? on_grid(r.u) : alpha_;
+    const auto with = [&](const tables* t) {
+      const auto family = traced<Family>::make(t, alpha, shape_);
+      using traced_family = std::remove_const_t<decltype(family)>;
+      const auto under = [&]<class Shape>(const Shape& shape) {
+        return use(ndf<traced_family, Float, Shape>(family, shape));
+      };
+      if constexpr (Family::shape_invariant) {
+        return with_shape(r, under);
+      } else {
+        return under(isotropic_shape<Float>(Float(1)));
+      }
     };
-    if constexpr (Family::shape_invariant) {
-      return with_shape(r, under);
+    if constexpr (has_tables) {
+      if (varies_ && drjit::grad_enabled(shape_))
+        fail("%s: \"%s\" cannot be differentiated where alpha is a texture that varies", Family::name,
+             Family::parameters[0].name);
+      const tables t(storage_, varies_ ? tables::between(alpha_between<Float>(alpha)) : tables::between());
+      return with(&t);
     } else {
-      return under(isotropic_shape<Float>(Float(1)));
+      return with(nullptr);
     }
+  }
+  static Float on_grid(const Float& alpha) {
+    return minimum(maximum(alpha, Float(alpha_grid::least)), Float(alpha_grid::most));
   }
 
   void build() {
-    if constexpr (!has_tables) return;
+    if constexpr (has_tables) {
+      flat_tables flat;
+      storage_.parameters = 0;
+      if (varies_) {
+        for (std::uint32_t i = 0; i < alpha_grid::nodes; ++i)
+          flat.append({Family::name, alpha_grid::alpha(i), number(shape_)}, table_use::all);
+      } else {
+        append(flat);
+      }
+      if (!flat.samples)
+        fail("%s: visible normals cannot be drawn at alpha %g, %s %g", Family::name, number(alpha_),
+             has_shape ? "shape" : "", number(shape_));
+      using Int32 = drjit::int32_array_t<Float>;
+      storage_.floats = drjit::load<buffer<Float>>(flat.floats.data(), flat.floats.size());
+      storage_.integers = drjit::load<buffer<Int32>>(flat.integers.data(), flat.integers.size());
+    }
+  }
+  void append(flat_tables& flat) {
     const double alpha = number(alpha_), shape = number(shape_);
-    const table_request here{Family::name, alpha, shape};
-    flat_tables flat;
-    flat.append(here, true);
-    table_storage<Float>& storage = tables_.storage;
-    storage.parameters = 0;
-    const auto differences = [&](const Float& parameter, double step, table_request less,
-                                 table_request more) {
-      flat.append(less, false), flat.append(more, false);
-      storage.parameter[storage.parameters] = parameter;
-      storage.inverse_of_two_steps[storage.parameters] = Float(static_cast<float>(0.5 / step));
-      drjit::make_opaque(storage.inverse_of_two_steps[storage.parameters]);
-      ++storage.parameters;
+    flat.append({Family::name, alpha, shape}, table_use::all);
+    const auto differences = [&](const Float& parameter, double step, double of_alpha, double of_shape) {
+      for (const int k : {-2, -1, 1, 2})
+        flat.append({Family::name, alpha + k * step * of_alpha, shape + k * step * of_shape},
+                    table_use::directions);
+      storage_.parameter[storage_.parameters] = parameter;
+      Float& inverse = storage_.inverse_of_steps[storage_.parameters++];
+      inverse = Float(static_cast<float>(1 / (12 * step)));
+      drjit::make_opaque(inverse);
     };
-    if constexpr (has_shape && (Family::costly & of_slope_excess) &&
-                  !std::same_as<Family, student_t<Float>>) {
-      const double step = 0.02 * (shape - Family::parameters[0].lower);
-      differences(shape_, step, {here.family, alpha, shape - step}, {here.family, alpha, shape + step});
-    }
-    if constexpr (!Family::shape_invariant) {
-      const double step = 0.02 * alpha;
-      differences(alpha_, step, {here.family, alpha - step, shape}, {here.family, alpha + step, shape});
-    }
-    using Int32 = drjit::int32_array_t<Float>;
-    storage.floats = drjit::load<buffer<Float>>(flat.floats.data(), flat.floats.size());
-    storage.integers = drjit::load<buffer<Int32>>(flat.integers.data(), flat.integers.size());
-    tables_.visible.first_moment = Float(flat.first_moment);
-    tables_.visible.inverse_P2 = Float(flat.inverse_P2);
-    drjit::make_opaque(tables_.visible.first_moment, tables_.visible.inverse_P2);
+    if constexpr (has_shape && !std::same_as<Family, student_t<Float>>)
+      differences(shape_, 0.02 * (shape - Family::parameters[0].lower), 0, 1);
+    if constexpr (!Family::shape_invariant) differences(alpha_, 0.02 * alpha, 1, 0);
   }
 
-  tables tables_;
+  table_storage<Float> storage_;
+  bool varies_ = false;
   Float alpha_ = Float(1), shape_ = Float(0);
 };
 

@@ -25,14 +25,15 @@ class distribution : public mitsuba::Object {
   using vector = vec3<Float>;
 
   // Density per steradian, projected area on the whole sphere, and a normal that w sees.
-  virtual Float D(const roughness& r, const vector& m) const = 0;
+  // A normal is known to `resolution`: densities with an infinite peak are cut off there.
+  virtual Float D(const roughness& r, const vector& m, const Float& resolution) const = 0;
   virtual Float sigma(const roughness& r, const vector& w) const = 0;
   virtual vector sample_visible(const roughness& r, const vector& w,
                                 const std::array<Float, 4>& xi) const = 0;
 
   // Whether roughness is a stretch of the slopes; otherwise it belongs to the density, which is told of it.
   virtual bool stretches() const { return true; }
-  virtual void set_roughness(const Float&) {}
+  virtual void set_roughness(const Float& /*mean*/, bool /*varies*/) {}
   // Whether a parameter has a gradient.
   virtual bool differentiated() const { return false; }
 };

@@ -30,8 +30,6 @@ rough_bsdf::rough_bsdf(const mi::Properties& properties) : Base(properties) {
     fail(properties, "\"alpha_u\" is given, but this distribution is isotropic: it takes alpha");
   alpha_u_ = texture(u ? "alpha_u" : "alpha");
   alpha_v_ = u ? texture("alpha_v") : alpha_u_;
-  if (!distribution_->stretches() && alpha_u_->is_spatially_varying())
-    fail(properties, "\"alpha\" is a texture that varies, which this distribution does not take");
   correlated_ = properties.get<bool>("correlated", true);
   const auto scattering = properties.get<std::string>("scattering", std::string("single"));
   if (scattering != "single" && scattering != "multiple")
@@ -39,7 +37,8 @@ rough_bsdf::rough_bsdf(const mi::Properties& properties) : Base(properties) {
   multiple_ = scattering == "multiple";
   if (multiple_ && !correlated_)
     fail(properties, "\"correlated\" is false, but walks of scattering = multiple correlate heights");
-  if (!distribution_->stretches()) distribution_->set_roughness(alpha_u_->mean());
+  if (!distribution_->stretches())
+    distribution_->set_roughness(alpha_u_->mean(), alpha_u_->is_spatially_varying());
 }
 
 void rough_bsdf::traverse(mi::TraversalCallback* callback) {
@@ -56,7 +55,7 @@ void rough_bsdf::parameters_changed(const std::vector<std::string>& keys) {
   if (distribution_->stretches()) {
     distribution_->parameters_changed(keys);
   } else {
-    distribution_->set_roughness(alpha_u_->mean());
+    distribution_->set_roughness(alpha_u_->mean(), alpha_u_->is_spatially_varying());
   }
 }
 
@@ -80,7 +79,8 @@ roughness rough_bsdf::roughness_at(const Interaction& si, const Mask& active) co
 facet_statistics<Float> rough_bsdf::statistics(const roughness& r, const vec3<Float>& wi,
                                                const vec3<Float>& wo, const vec3<Float>& m) const {
   const vec3<Float> blocking = scaled(wo, Float(select(wo.z > Float(0), Float(-1), Float(1))));
-  return {distribution_->D(r, m), distribution_->sigma(r, wi), distribution_->sigma(r, blocking)};
+  return {distribution_->D(r, m, resolution_of(wi, m)), distribution_->sigma(r, wi),
+          distribution_->sigma(r, blocking)};
 }
 
 vec3<Float> rough_bsdf::visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const {

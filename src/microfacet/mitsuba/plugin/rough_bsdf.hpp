@@ -37,6 +37,11 @@ inline UInt32 bits_of(const Float& x) { return dr::reinterpret_array<UInt32>(dr:
 inline vec3<Float> local(const Vector3& w) { return {w.x(), w.y(), w.z()}; }
 inline Vector3 local(const vec3<Float>& w) { return {w.x, w.y, w.z}; }
 
+// What rounding of wi and wo leaves uncertain of the facet between them.
+inline Float resolution_of(const vec3<Float>& wi, const vec3<Float>& m) {
+  return dr::detach(Float(1e-7F) / maximum(Float(abs(dot(wi, m))), Float(1e-3F)));
+}
+
 class rough_bsdf : public Base {
  public:
   void traverse(mi::TraversalCallback* callback) override;

@@ -13,7 +13,8 @@ namespace {
 
 using tables = radial_tables<float>;
 
-void build(tables& t, const table_request& request, bool all) {
+void build(tables& t, const table_request& request, table_use use) {
+  const bool all = use == table_use::all;
   const unsigned of_directions = of_P22 | of_slope_excess;
   const unsigned functions = all ? of_directions | of_radius | of_P2 | of_visible : of_directions;
   if (request.family == "beckmann") t.build(beckmann<double>(), of_visible);
@@ -40,27 +41,25 @@ void flatten(const tables::table& t, float* floats, std::int32_t* integers) {
 
 }  // namespace
 
-void flat_tables::append(const table_request& request, bool all) {
+void flat_tables::append(const table_request& request, table_use use) {
   const auto t = std::make_unique<tables>();
-  build(*t, request, all);
-  const std::array<const tables::table*, table_functions> functions{&t->root_D,
-                                                                    &t->radius,
-                                                                    &t->root_P2,
-                                                                    &t->slope_excess,
-                                                                    &t->visible.moment,
-                                                                    &t->visible.moment_radius,
-                                                                    &t->visible.marginal_radius,
-                                                                    &t->visible.excess_radius};
-  if (floats.empty()) {
-    first_moment = t->visible.first_moment, inverse_P2 = t->visible.inverse_P2;
-    samples = t->visible.falls && t->visible.excess_radius.error < 1e-3;
-  }
+  build(*t, request, use);
+  const auto& v = t->visible;
+  if (use == table_use::all) samples = samples && v.falls && v.excess_radius.error < 1e-3;
+  const std::array<const tables::table*, table_functions> functions{
+      &t->root_D, &t->radius,       &t->root_P2,        &t->slope_excess,
+      &v.moment,  &v.moment_radius, &v.marginal_radius, &v.excess_radius};
+  const std::size_t first = floats.size();
   for (const tables::table* f : functions) {
     const std::size_t at = floats.size(), cell = integers.size();
     floats.resize(at + table_layout::floats);
     integers.resize(cell + table_layout::integers);
     flatten(*f, floats.data() + at, integers.data() + cell);
   }
+  const auto constant = [&](table_function f) -> float& {
+    return floats[first + f * table_layout::floats + table_layout::constant];
+  };
+  constant(table_moment) = v.first_moment, constant(table_marginal_radius) = v.inverse_P2;
 }
 
 }  // namespace microfacet::plugin

@@ -26,9 +26,11 @@ enum table_function : std::uint32_t {
 struct table_layout {
   static constexpr std::uint32_t pieces = 32, terms = 8, cells = 256;
   // A row for each piece, read as one packet: the centre, the value there, and the coefficients. Then one row
-  // of `last`, `lower` and `at_zero`.
+  // of `last`, `lower`, `at_zero`, and a constant that goes with the function: M(0) with the moment, 1/P2(0)
+  // with the marginal radius.
   static constexpr std::uint32_t row = 16, centre = 0, value = 1, coefficient = 2, last = pieces * row,
-                                 lower = last + 1, at_zero = last + 2, floats = last + row;
+                                 lower = last + 1, at_zero = last + 2, constant = last + 3,
+                                 floats = last + row;
   // The piece of each cell, then `base`, `shift` and the number of cells less one.
   static constexpr std::uint32_t base = cells, shift = cells + 1, mask = cells + 2, integers = cells + 4;
 };
@@ -40,14 +42,16 @@ struct table_request {
   double alpha, shape;
 };
 
-// One block for each request: all functions for the first, for the others what derivatives need.
+// What a block holds: what directions need, or that and what sampling needs.
+enum class table_use { directions, all };
+
+// One block for each request.
 struct flat_tables {
   std::vector<float> floats;
   std::vector<std::int32_t> integers;
-  float first_moment = 0, inverse_P2 = 0;  // of the first request
-  bool samples = false;                    // whether visible normals can be drawn from the first
+  bool samples = true;  // whether visible normals can be drawn from all blocks that hold all
 
-  void append(const table_request& request, bool all);
+  void append(const table_request& request, table_use use);
 };
 
 }  // namespace microfacet::plugin

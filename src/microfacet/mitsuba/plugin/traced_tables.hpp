@@ -6,7 +6,9 @@
 #include <drjit/math.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "drjit_scalar.hpp"
 #include "microfacet/core/log_ratio.hpp"
@@ -21,8 +23,15 @@ namespace dr = drjit;
 template <class R>
 using buffer = std::conditional_t<dr::is_jit_v<R>, R, dr::DynamicArray<R>>;
 
-// The numbers. The first block is of the parameters as they are; of parameter j there may be two more, at
-// parameter -+ step, for central differences.
+// Densities of a family whose roughness is no stretch, at equal distances of log alpha.
+struct alpha_grid {
+  static constexpr std::uint32_t nodes = 24;
+  static constexpr float first = -6.9F, spacing = 0.3F, least = 1.1e-3F, most = 1;  // alpha
+  static double alpha(std::uint32_t i) { return std::exp(double{first} + i * double{spacing}); }
+};
+
+// The numbers. The first block is of the parameters as they are, and four more for each parameter that may be
+// differentiated: at parameter - 2 h, - h, + h, + 2 h. Or there is a block for each node of an alpha_grid.
 template <class R>
 struct table_storage {
   using Int32 = dr::int32_array_t<R>;
@@ -31,7 +40,28 @@ struct table_storage {
   buffer<R> floats;
   buffer<Int32> integers;
   std::size_t parameters = 0;
-  std::array<R, most_parameters> parameter{}, inverse_of_two_steps{};
+  std::array<R, most_parameters> parameter{}, inverse_of_steps{};  // 1/(12 h)
+};
+
+// Where between four nodes of the grid roughness lies: the first of them and their weights, Lagrange's.
+template <class R>
+struct alpha_between {
+  using UInt32 = dr::uint32_array_t<R>;
+  R log_alpha;
+  UInt32 first;
+  std::array<R, 4> weight;
+
+  explicit alpha_between(const R& alpha) : log_alpha(log(alpha)) {
+    const R at = (log_alpha - R(alpha_grid::first)) * R(1 / alpha_grid::spacing);
+    const R begin = minimum(maximum(R(floor(dr::detach(at)) - R(1)), R(0)), R(alpha_grid::nodes - 4));
+    first = UInt32(begin);
+    const R t = at - begin;
+    weight = {(R(1) - t) * (R(2) - t) * (R(3) - t) * R(1.0 / 6), t * (R(2) - t) * (R(3) - t) * R(0.5),
+              t * (t - R(1)) * (R(3) - t) * R(0.5), t * (t - R(1)) * (t - R(2)) * R(1.0 / 6)};
+  }
+  R log_of_node(std::uint32_t i) const {
+    return R(alpha_grid::first) + (R(first) + R(static_cast<float>(i))) * R(alpha_grid::spacing);
+  }
 };
 
 // One function of x > 0.
@@ -40,37 +70,70 @@ class traced_table {
   using Int32 = dr::int32_array_t<R>;
   using UInt32 = dr::uint32_array_t<R>;
   using layout = table_layout;
+  using between = std::optional<alpha_between<R>>;
 
  public:
-  traced_table(const table_storage<R>& storage, table_function function)
-      : storage_(&storage), function_(function) {}
+  traced_table(const table_storage<R>& storage, table_function function, const between& alpha)
+      : storage_(&storage), function_(function), alpha_(&alpha) {}
 
   R operator()(const twofold<R>& x) const { return (*this)(x.high); }
-  R operator()(const R& x) const {
-    const R value = in_block(0, x);
+  R operator()(const R& x) const { return *alpha_ ? between_nodes(x) : here(x); }
+  R of_root(const R& x) const { return (*this)(R(x * x)); }
+  R constant() const {
+    const auto at = [&](const UInt32& block) {
+      return number(row_of(block) * layout::row + (layout::constant));
+    };
+    if (!*alpha_) return at(UInt32(function_));
+    R sum(0);
+    for (std::uint32_t i = 0; i < 4; ++i) sum = sum + (*alpha_)->weight[i] * log(at(node(i)));
+    return exp(sum);
+  }
+
+ private:
+  // How x and the function grow with alpha where the density is nearly a stretch: what is left to interpolate
+  // is smooth.
+  static constexpr std::array<float, table_functions> growth_of_argument{2, 0, 1, 2, 1, 0, 1, 0};
+  static constexpr std::array<float, table_functions> growth{-1, 1, -0.5F, 1, 1, 1, 1, 1};
+
+  R here(const R& x) const {
+    const R value = in_block(UInt32(function_), x);
     R change(0);
-    for (std::size_t j = 0; j < storage_->parameters; ++j) {
+    for (std::uint32_t j = 0; j < storage_->parameters; ++j) {
       if (!dr::grad_enabled(storage_->parameter[j])) continue;
-      // Zero, with the slope of a central difference.
-      const R less = in_block(1 + 2 * j, x), more = in_block(2 + 2 * j, x);
-      const R step = storage_->parameter[j] - dr::detach(storage_->parameter[j]);
-      change = change + step * dr::detach((more - less) * storage_->inverse_of_two_steps[j]);
+      // Zero, with the slope of central differences.
+      const auto at = [&](std::uint32_t k) {
+        return in_block(UInt32((1 + 4 * j + k) * table_functions + function_), x);
+      };
+      const R slope = (R(8) * (at(2) - at(1)) - (at(3) - at(0))) * storage_->inverse_of_steps[j];
+      change = change + (storage_->parameter[j] - dr::detach(storage_->parameter[j])) * dr::detach(slope);
     }
     return value + change;
   }
-  R of_root(const R& x) const { return (*this)(R(x * x)); }
+  R between_nodes(const R& x) const {
+    const alpha_between<R>& alpha = **alpha_;
+    R sum = R(growth[function_]) * alpha.log_alpha;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const R log_node = alpha.log_of_node(i);
+      const R scale = exp(R(growth_of_argument[function_]) * (log_node - alpha.log_alpha));
+      const R value = maximum(in_block(node(i), R(x * scale)), smallest<R>());
+      sum = sum + alpha.weight[i] * (log(value) - R(growth[function_]) * log_node);
+    }
+    return exp(sum);
+  }
+  UInt32 node(std::uint32_t i) const {
+    return ((*alpha_)->first + UInt32(i)) * UInt32(std::uint32_t{table_functions}) + UInt32(function_);
+  }
 
- private:
-  R number(std::uint32_t at) const { return dr::gather<R>(storage_->floats, UInt32(at)); }
-  Int32 integer(std::uint32_t at) const { return dr::gather<Int32>(storage_->integers, UInt32(at)); }
+  R number(const UInt32& at) const { return dr::gather<R>(storage_->floats, at); }
+  Int32 integer(const UInt32& at) const { return dr::gather<Int32>(storage_->integers, at); }
+  static UInt32 row_of(const UInt32& block) { return block * UInt32(layout::floats / layout::row); }
 
-  R in_block(std::size_t block_index, const R& x) const {
-    const auto block = static_cast<std::uint32_t>(block_index) * table_functions + function_;
-    const std::uint32_t floats = block * layout::floats, integers = block * layout::integers;
+  R in_block(const UInt32& block, const R& x) const {
+    const UInt32 first_row = row_of(block), floats = first_row * layout::row;
     const R lower = number(floats + layout::lower);
     const R inside = minimum(maximum(x, lower), R(0x1p126));
-    const UInt32 piece = piece_of(dr::detach(minimum(inside, number(floats + layout::last))), integers);
-    const std::array<R, layout::row> at = row(piece + floats / layout::row);
+    const UInt32 piece = piece_of(dr::detach(minimum(inside, number(floats + layout::last))), block);
+    const std::array<R, layout::row> at = row(piece + first_row);
     const R v = log(inside) - at[layout::centre];
     const R slope = interleaved<layout::terms>([&](std::size_t k) { return at[layout::coefficient + k]; }, v);
     const R value = at[layout::value] * exp(R(v * slope));
@@ -90,38 +153,49 @@ class traced_table {
   }
 
   // core/piecewise.hpp: the piece follows from the leading bits.
-  UInt32 piece_of(const R& x, std::uint32_t integers) const {
+  UInt32 piece_of(const R& x, const UInt32& block) const {
+    const UInt32 integers = block * UInt32(layout::integers);
     const Int32 fine = dr::reinterpret_array<Int32>(x) - integer(integers + layout::base);
     const Int32 k = dr::maximum(fine, fine >> 6);
     const Int32 cell = (k >> integer(integers + layout::shift)) & integer(integers + layout::mask);
-    return UInt32(dr::gather<Int32>(storage_->integers, UInt32(cell) + integers));
+    return UInt32(integer(UInt32(cell) + integers));
   }
 
   const table_storage<R>* storage_;
-  table_function function_;
+  std::uint32_t function_;
+  const between* alpha_;
 };
 
-// For family/prepared.hpp.
+// For family/prepared.hpp: the tables at one roughness, or at a varying one where they are on a grid.
 template <class R>
 struct traced_tables {
   static constexpr bool single = true, always_composes = true;
+  using between = std::optional<alpha_between<R>>;
 
   struct visible_tables {
     traced_table<R> moment, moment_radius, marginal_radius, excess_radius;
     R first_moment, inverse_P2;
+
+    visible_tables(const table_storage<R>& storage, const between& alpha)
+        : moment(storage, table_moment, alpha),
+          moment_radius(storage, table_moment_radius, alpha),
+          marginal_radius(storage, table_marginal_radius, alpha),
+          excess_radius(storage, table_excess_radius, alpha),
+          first_moment(moment.constant()),
+          inverse_P2(marginal_radius.constant()) {}
   };
 
-  table_storage<R> storage;
-  traced_table<R> root_D{storage, table_root_D}, radius{storage, table_radius},
-      root_P2{storage, table_root_P2}, slope_excess{storage, table_slope_excess};
-  visible_tables visible{{storage, table_moment},
-                         {storage, table_moment_radius},
-                         {storage, table_marginal_radius},
-                         {storage, table_excess_radius},
-                         R(0),
-                         R(0)};
+  between alpha;
+  traced_table<R> root_D, radius, root_P2, slope_excess;
+  visible_tables visible;
 
-  traced_tables() = default;
+  traced_tables(const table_storage<R>& storage, const between& where)
+      : alpha(where),
+        root_D(storage, table_root_D, alpha),
+        radius(storage, table_radius, alpha),
+        root_P2(storage, table_root_P2, alpha),
+        slope_excess(storage, table_slope_excess, alpha),
+        visible(storage, alpha) {}
   traced_tables(const traced_tables&) = delete;
 };
 
