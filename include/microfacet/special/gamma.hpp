@@ -45,23 +45,28 @@ T gamma_half_step(const T& k) {
 }
 
 namespace detail {
-// log Gamma(x) - (x - 1/2) log(x) + x - log(2 pi)/2 for x >= 10: Stirling's series.
+// log Gamma(x) - (x - 1/2) log(x) + x - log(2 pi)/2 for x >= 10 (float32: 3): Stirling's series.
 template <class T>
 T stirling_remainder(const T& x) {
+  constexpr std::array<double, 4> few{1.0 / 12, -1.0 / 360, 1.0 / 1260, -1.0 / 1680};
   constexpr std::array<double, 7> series{1.0 / 12,   -1.0 / 360,      1.0 / 1260, -1.0 / 1680,
                                          1.0 / 1188, -691.0 / 360360, 1.0 / 156};
-  return polynomial(series, T(T(1) / (x * x))) / x;
+  return polynomial(by_precision<T>(few, series), T(T(1) / (x * x))) / x;
 }
 }  // namespace detail
 
-// Euler's Beta function B(1 + a, 1 + b) for a, b >= 0, also where one of them is huge: Stirling's formula for
-// p + n, q + n with its large terms cancelled by hand, and the recurrence back to p, q.
+// Euler's Beta function B(1 + a, 1 + b) for a, b >= 0, also where one of them is huge, up to 1e30: Stirling's
+// formula for p + n, q + n with its large terms cancelled by hand, and the recurrence back to p, q.
 template <class T>
 T beta_one_plus(const T& a, const T& b) {
-  constexpr int shift = 9;
+  constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+  constexpr int shift = single ? 2 : 9, together = single ? 1 : 3;  // factors whose product stays finite
   T p = T(1) + maximum(a, b), q = T(1) + minimum(a, b), sum = p + q, log_ratio(0);
-  for (int i = 0; i < shift; ++i) {
-    log_ratio = log_ratio + log(((sum + T(2 * i)) / (p + T(i))) * ((sum + T(2 * i + 1)) / (q + T(i))));
+  for (int first = 0; first < shift; first += together) {
+    T ratio(1);
+    for (int i = first; i < first + together; ++i)
+      ratio = ratio * (((sum + T(2 * i)) / (p + T(i))) * ((sum + T(2 * i + 1)) / (q + T(i))));
+    log_ratio = log_ratio + log(ratio);
   }
   p = p + T(shift), q = q + T(shift), sum = p + q;
   const T remainder =
