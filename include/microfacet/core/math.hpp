@@ -116,11 +116,12 @@ MICROFACET_INLINE T where(const Mask& condition, const T& x) {
   return select(condition, x, nan<T>());
 }
 
-// (exp(x) - 1)/x and log(1 + x)/x, with their limit 1 at x = 0.
+// (exp(x) - 1)/x and log(1 + x)/x; at x = 0 their limits, which have the right slope for numbers that carry
+// derivatives.
 template <class T>
 T expm1_over(const T& x) {
   const auto zero = x == T(0);
-  return select(zero, T(1), expm1(x) / select(zero, T(1), x));
+  return select(zero, T(T(1) + T(0.5) * x), expm1(x) / select(zero, T(1), x));
 }
 // exp(x) - 1 - x, by its series near 0, where the difference cancels.
 template <class T>
@@ -134,7 +135,7 @@ T expm1_less(const T& x) {
 template <class T>
 T log1p_over(const T& x) {
   const auto zero = x == T(0);
-  return select(zero, T(1), log1p(x) / select(zero, T(1), x));
+  return select(zero, T(T(1) - T(0.5) * x), log1p(x) / select(zero, T(1), x));
 }
 
 // A shape parameter of a family: its name and the open interval in which the family is defined.
