@@ -30,7 +30,10 @@ def counts(spp: int, pixels: int) -> Iterator[int]:
 def render(
     scene: Any, size: tuple[int, int], spp: int, seed: int, tell: Callable[[int, int], None]
 ) -> npt.NDArray[np.float64]:
-    """The mean of `spp` samples per pixel, (height, width, channels); the same for the same seed."""
+    """The mean of `spp` samples per pixel, (height, width, channels); the same for the same seed.
+
+    Where Dr.Jit traces, to the last bit but one: its threads add their shares of a pixel in any order.
+    """
     import mitsuba as mi
 
     passes = list(counts(spp, size[0] * size[1]))
