@@ -295,3 +295,17 @@ print(json.dumps(found))
 """
     angles = mitsuba_process.result(code, "scalar_rgb", "0.6")
     assert angles == pytest.approx([0.6] * 4, abs=0.02)
+
+
+def test_what_a_material_refuses_is_its_own_sentence() -> None:
+    code = """
+from microfacet import _render
+
+try:
+    _render.render(_render.Look("student_t", {"alpha": 0.1, "gamma": 1.2}), "sphere", (4, 4), 1)
+except ValueError as error:
+    print(error)
+"""
+    sentence = mitsuba_process.run(code, "scalar_rgb")
+    assert sentence.startswith('microfacet_conductor: "gamma" is 1.2')
+    assert sentence.count("\n") == 1

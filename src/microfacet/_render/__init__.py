@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -46,5 +47,6 @@ def render(
     try:
         built: Any = scenes.build(scene, look.bsdf(), size, look.rotation, backdrop, look.clear)
     except RuntimeError as error:  # how Mitsuba tells what is wrong with a material
-        raise ValueError(str(error).splitlines()[-1].strip()) from None
+        said = str(error).strip().splitlines()[-1]
+        raise ValueError(re.sub(r'^.*of type "\w+": ', "", said)) from None
     return passes.render(built, size, spp, seed, tell)

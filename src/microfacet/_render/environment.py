@@ -69,18 +69,24 @@ def _floor(w: Array) -> Array:
     return np.asarray(0.085 + 0.06 * waves * np.exp(-0.02 * (x * x + y * y)))
 
 
-def room(w: Array) -> Array:
-    """RGB along directions (..., 3): small lights for a ball, and a floor that is part of the picture."""
+def room(w: Array, soft: bool = False) -> Array:
+    """RGB along directions (..., 3): small lights for a ball, and a floor that is part of the picture.
+
+    `soft`: larger and dimmer ones over a brighter floor. Rough glass scatters a small lamp into so many paths
+    that some are too rare to average out.
+    """
     up = w[..., 2]
     wall = 0.02 + 0.07 * np.exp(-4.0 * np.abs(up))
-    light = np.where(up < 0.0, _floor(w), wall)[..., None] * COOL
-    for shape, colour in (
-        (_panel(w, -130.0, 48.0, (0.34, 0.34)), (4.2, 4.0, 3.6)),  # a softbox behind the camera, to the left
-        (_disc(w, 130.0, 22.0, 4.0), (52.0, 45.0, 37.0)),  # a warm lamp to the right
-        (_panel(w, 62.0, 14.0, (0.06, 0.75)), (4.4, 5.0, 5.9)),  # a tall strip behind the right shoulder
-        (_panel(w, -58.0, -4.0, (0.04, 0.5)), (3.0, 3.4, 4.0)),
+    floor = _floor(w) * (1.8 if soft else 1.0)
+    light = np.where(up < 0.0, floor, wall)[..., None] * COOL
+    wide, lamp, strip = (3.0, 0.12, 0.4) if soft else (1.0, 1.0, 1.0)
+    for shape, scale, colour in (
+        (_panel(w, -130.0, 48.0, (0.34, 0.34)), 1.0, (4.2, 4.0, 3.6)),  # behind the camera, to the left
+        (_disc(w, 130.0, 22.0, 4.0 * wide**0.75), lamp, (52.0, 45.0, 37.0)),  # to the right
+        (_panel(w, 62.0, 14.0, (0.06 * wide, 0.75)), strip, (4.4, 5.0, 5.9)),  # tall, behind the shoulder
+        (_panel(w, -58.0, -4.0, (0.04 * wide, 0.5)), strip, (3.0, 3.4, 4.0)),
     ):
-        light = light + shape[..., None] * np.array(colour)
+        light = light + shape[..., None] * (scale * np.array(colour))
     return np.asarray(light)
 
 

@@ -5,6 +5,7 @@ All of it is computed here; no model and no picture is loaded.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,7 @@ def build(
     """
     import mitsuba as mi
 
-    content = _room(bsdf, rotation) if name == "sphere" else _studio(bsdf, rotation)
+    content = _room(bsdf, rotation, clear) if name == "sphere" else _studio(bsdf, rotation)
     depth = 20 if clear else 6
     return mi.load_dict(
         {
@@ -76,12 +77,12 @@ def _camera(view: dict[str, Any], size: tuple[int, int], backdrop: bool) -> dict
     }
 
 
-def _room(bsdf: Any, rotation: float) -> dict[str, Any]:
+def _room(bsdf: Any, rotation: float, clear: bool) -> dict[str, Any]:
     import mitsuba as mi
 
     turned = lathe.mesh(lathe.revolve(lathe.sphere(), rotation), mi.load_dict(bsdf)) if rotation else None
     return {
-        "room": environment.emitter(environment.room),
+        "room": environment.emitter(partial(environment.room, soft=clear)),
         "object": turned or {"type": "sphere", "bsdf": bsdf},
     }
 
