@@ -28,6 +28,7 @@ SUBDIVISIONS = 64  # of each side of a cell; with 32 and less the harness reject
 NODES, WEIGHTS = (0.5 * (a + b) for a, b in zip(np.polynomial.legendre.leggauss(20), (1.0, 0.0), strict=True))
 PRECISION = 0.02  # of an integral, beside the scatter of the count
 HALVINGS = 60
+MOST = 1 << 17  # panels that are halved once more
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,11 @@ class Adaptive(ChiSquareTest):
             panels = np.hstack([half[:, ~settled] for half in halves])
             value = np.hstack([part[~settled] for part in values])
             owner = np.tile(owner[~settled], 2)
-            if not len(owner):
+            if len(owner) == 0:
+                break
+            if len(owner) > MOST or not np.all(np.isfinite(value)):
+                self._log(f"The density cannot be integrated: {len(owner)} panels, {value.max():g}")
+                self.fail = True
                 break
         np.add.at(shares, owner, value)
         self.pdf = mitsuba.Float((self.sample_count * shares).astype(np.float32))
