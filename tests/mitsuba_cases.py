@@ -116,13 +116,15 @@ def cases(built_in: bool = False) -> Iterator[Case]:
                 yield Case(material, surface, degrees, built_in)
 
 
-def selection(each: int = 2) -> list[Case]:
-    """Of every family and material, isotropic and stretched, some that look drawn at random."""
+def selection(each: int = 1) -> list[Case]:
+    """Of every family and material, isotropic and stretched, some that look drawn, at angles in turn."""
     groups: dict[tuple[str, str, int], list[Case]] = {}
     for case in cases():
         groups.setdefault((case.material, case.surface.family, len(case.surface.alpha)), []).append(case)
-    return [case for group in groups.values() for case in sorted(group, key=_scrambled)[:each]]
-
-
-def _scrambled(case: Case) -> int:
-    return zlib.crc32(str(case).encode())
+    found = []
+    for number, group in enumerate(groups.values()):
+        choice = angles(group[0].material)
+        for k in range(each):
+            here = [case for case in group if case.degrees == choice[(number + 3 * k) % len(choice)]]
+            found.append(min(here, key=lambda case: zlib.crc32(str(case).encode())))
+    return found
