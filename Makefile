@@ -22,7 +22,7 @@ export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 CORE     := $(shell find include bindings -type f 2>/dev/null) CMakeLists.txt pyproject.toml
 PACKAGE  := $(CORE) $(wildcard README.md) $(shell find src -type f -not -name "*.so" -not -name "*.pyc")
-CXX_CODE := $(shell grep -rL --include='*.[ch]pp' 'do not edit by hand' include bindings tests/cpp examples)  # generated files aside
+CXX_CODE := $(shell grep -rL --include='*.[ch]pp' 'do not edit by hand' include bindings src tests/cpp examples)  # generated files aside
 CXX_BUILD := $(BUILD)/$(notdir $(CXX))
 CXX_TESTS := cmake -S . -G Ninja -DMICROFACET_BUILD_TESTS=ON
 

@@ -4,8 +4,8 @@
 // using-declarations below and any other scalar (a SIMD batch, an automatic-differentiation number, a Dr.Jit
 // array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no
 // `if` on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
-// some_lane(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes a
-// result beyond rounding.
+// some_lane(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes
+// a result beyond rounding.
 #pragma once
 
 #include <cmath>

@@ -100,7 +100,8 @@ struct ladder {
       const T upper = multiply_add(multiply_add(mu, T(next), T(1 - next)), d, lower);
       b = select(climbing, lower, b), c = select(climbing, d, c), d = select(climbing, upper, d);
     };
-    for (std::size_t j = 0; j + 2 < reciprocals.size() && some_lane(T(static_cast<double>(j)) < steps); j += 2)
+    for (std::size_t j = 0; j + 2 < reciprocals.size() && some_lane(T(static_cast<double>(j)) < steps);
+         j += 2)
       step(j), step(j + 1);
     below = b, at = c, above = d;
   }

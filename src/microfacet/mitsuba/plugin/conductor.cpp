@@ -17,7 +17,11 @@ rough_conductor::rough_conductor(const mi::Properties& properties) : rough_bsdf(
     eta_ = properties.get_unbounded_texture<Texture>("eta"),
     k_ = properties.get_unbounded_texture<Texture>("k");
   } else if (material != "none") {
-    std::tie(eta_, k_) = mi::complex_ior_from_file<Spectrum, Texture>(material);
+    try {
+      std::tie(eta_, k_) = mi::complex_ior_from_file<Spectrum, Texture>(material);
+    } catch (const std::exception&) {
+      fail(properties, "\"material\" is \"%s\", which is none of Mitsuba's conductors", material);
+    }
   }
   if (properties.has_property("specular_reflectance"))
     specular_reflectance_ = properties.get_texture<Texture>("specular_reflectance", 1.F);

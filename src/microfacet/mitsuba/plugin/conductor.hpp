@@ -27,7 +27,8 @@ class conductor_facets {
 
 class rough_conductor final : public rough_bsdf {
  public:
-  MI_DECLARE_CLASS(rough_conductor)
+  static constexpr const char* name = "microfacet_conductor";
+  std::string_view class_name() const override { return name; }
 
   explicit rough_conductor(const mi::Properties& properties);
   void traverse(mi::TraversalCallback* callback) override;
@@ -52,6 +53,8 @@ class rough_conductor final : public rough_bsdf {
                               const vec3<Float>& m, const conductor_facets& facets);
 
   mi::ref<Texture> eta_, k_, specular_reflectance_;  // a perfect mirror has no eta
+
+  MI_TRAVERSE_CB(rough_bsdf, eta_, k_, specular_reflectance_)
 };
 
 }  // namespace microfacet::plugin

@@ -28,7 +28,8 @@ class dielectric_facets {
 
 class rough_dielectric final : public rough_bsdf {
  public:
-  MI_DECLARE_CLASS(rough_dielectric)
+  static constexpr const char* name = "microfacet_dielectric";
+  std::string_view class_name() const override { return name; }
 
   explicit rough_dielectric(const mi::Properties& properties);
   void traverse(mi::TraversalCallback* callback) override;
@@ -79,6 +80,8 @@ class rough_dielectric final : public rough_bsdf {
 
   Float eta_ = Float(1);  // below the surface over above
   mi::ref<Texture> specular_reflectance_, specular_transmittance_;
+
+  MI_TRAVERSE_CB(rough_bsdf, eta_, specular_reflectance_, specular_transmittance_)
 };
 
 }  // namespace microfacet::plugin

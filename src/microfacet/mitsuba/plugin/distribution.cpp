@@ -108,17 +108,12 @@ class family_distribution final : public distribution {
   static constexpr bool has_peak = std::same_as<Family, k0<Float>> || std::same_as<Family, bessel_k<Float>>;
 
  public:
-  explicit family_distribution(const mitsuba::Properties& properties) {
+  explicit family_distribution(const mitsuba::Properties& properties) : plugin_(properties.plugin_name()) {
     if constexpr (has_shape) {
-      constexpr parameter p = Family::parameters[0];
-      const std::string name(p.name), plugin(properties.plugin_name());
+      const std::string name(Family::parameters[0].name);
       if (!properties.has_property(name))
-        fail("%s: \"%s\" is missing, which %s needs", plugin, name, Family::name);
-      const auto value = properties.get<float>(name);
-      if (!(value > p.lower && value < p.upper))
-        fail("%s: \"%s\" is %g, %s needs one in (%g, %g)", plugin, name, value, Family::name, p.lower,
-             p.upper);
-      shape_ = Float(value);
+        fail("%s: \"%s\" is missing, which %s needs", plugin_, name, Family::name);
+      shape_ = Float(properties.get<float>(name));
       drjit::make_opaque(shape_);
     }
     if (stretches()) build();
@@ -130,6 +125,13 @@ class family_distribution final : public distribution {
   }
   void parameters_changed(const std::vector<std::string>& = {}) override {
     if (stretches()) build();
+  }
+  std::string to_string() const override {
+    if constexpr (has_shape) {
+      return tfm::format("%s[%s = %g]", Family::name, Family::parameters[0].name, number(shape_));
+    } else {
+      return std::string(Family::name);
+    }
   }
   bool stretches() const override { return Family::shape_invariant; }
   void set_roughness(const Float& alpha, bool varies) override {
@@ -183,6 +185,7 @@ class family_distribution final : public distribution {
   }
 
   void build() {
+    check();
     if constexpr (has_tables) {
       flat_tables flat;
       storage_.parameters = 0;
@@ -193,8 +196,8 @@ class family_distribution final : public distribution {
         append(flat);
       }
       if (!flat.samples)
-        fail("%s: visible normals cannot be drawn at alpha %g, %s %g", Family::name, number(alpha_),
-             has_shape ? "shape" : "", number(shape_));
+        fail("%s: \"alpha\" is %g, above 1 %s needs gamma up to 2 for its visible normals", plugin_,
+             number(alpha_), Family::name);
       using Int32 = drjit::int32_array_t<Float>;
       storage_.floats = drjit::load<buffer<Float>>(flat.floats.data(), flat.floats.size());
       storage_.integers = drjit::load<buffer<Int32>>(flat.integers.data(), flat.integers.size());
@@ -212,14 +215,31 @@ class family_distribution final : public distribution {
       inverse = Float(static_cast<float>(1 / (12 * step)));
       drjit::make_opaque(inverse);
     };
-    if constexpr (has_shape && !std::same_as<Family, student_t<Float>>)
-      differences(shape_, 0.02 * (shape - Family::parameters[0].lower), 0, 1);
-    if constexpr (!Family::shape_invariant) differences(alpha_, 0.02 * alpha, 1, 0);
+    if constexpr (has_shape && !std::same_as<Family, student_t<Float>>) {
+      if (drjit::grad_enabled(shape_))
+        differences(shape_, 0.02 * (shape - Family::parameters[0].lower), 0, 1);
+    }
+    if constexpr (!Family::shape_invariant) {
+      if (drjit::grad_enabled(alpha_)) differences(alpha_, 0.02 * alpha, 1, 0);
+    }
+  }
+  // Also after an optimiser's step.
+  void check() const {
+    if constexpr (has_shape) {
+      constexpr parameter p = Family::parameters[0];
+      const float value = number(shape_);
+      if (!(value > p.lower && value < p.upper))
+        fail("%s: \"%s\" is %g, %s needs one in (%g, %g)", plugin_, p.name, value, Family::name, p.lower,
+             p.upper);
+    }
   }
 
+  std::string plugin_;
   table_storage<Float> storage_;
   bool varies_ = false;
   Float alpha_ = Float(1), shape_ = Float(0);
+
+  MI_TRAVERSE_CB(distribution, storage_.floats, storage_.integers, alpha_, shape_)
 };
 
 template <class Tag>

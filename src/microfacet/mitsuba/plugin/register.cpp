@@ -13,12 +13,12 @@ namespace microfacet::plugin {
 namespace {
 
 template <class Plugin>
-void add(const char* name) {
+void add() {
   const auto make = [](void*, const mi::Properties& properties) -> mitsuba::ref<mitsuba::Object> {
     return new Plugin(properties);
   };
-  mi::PluginManager::instance()->register_plugin(name, Base::Variant, mi::ObjectType::BSDF, make, nullptr,
-                                                 nullptr);
+  mi::PluginManager::instance()->register_plugin(Plugin::name, Base::Variant, mi::ObjectType::BSDF, make,
+                                                 nullptr, nullptr);
 }
 
 }  // namespace
@@ -28,8 +28,8 @@ void add(const char* name) {
 extern "C" [[gnu::visibility("default")]] const char* microfacet_register() {
   static std::string error;
   try {
-    microfacet::plugin::add<microfacet::plugin::rough_conductor>("microfacet_conductor");
-    microfacet::plugin::add<microfacet::plugin::rough_dielectric>("microfacet_dielectric");
+    microfacet::plugin::add<microfacet::plugin::rough_conductor>();
+    microfacet::plugin::add<microfacet::plugin::rough_dielectric>();
     return nullptr;
   } catch (const std::exception& e) {
     error = e.what();

@@ -77,6 +77,8 @@ class rough_bsdf : public Base {
   mi::ref<distribution> distribution_;
   mi::ref<Texture> alpha_u_, alpha_v_;
   bool correlated_ = true, multiple_ = false;
+
+  MI_TRAVERSE_CB(Base, distribution_, alpha_u_, alpha_v_)
 };
 
 }  // namespace microfacet::plugin
