@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import microfacet as mf
 from microfacet._render import environment, lathe, passes, scenes
 from microfacet._render.gallery import Sheet, sheet
 from microfacet._render.look import Look
@@ -113,3 +116,27 @@ def test_a_sheet_shows_its_pictures_in_place() -> None:
     encoded = 255.0 * (1.055 * colours ** (1 / 2.4) - 0.055)
     seen = [whole[y + 31 * row, x + 31 * column, 0] for row in range(2) for column in range(3)]
     np.testing.assert_allclose(seen, encoded, atol=1.0)
+
+
+QUANTILES = re.findall(
+    r"^\| (Beckmann|Student-T|GGX|GTR|K0|Bessel K)(?:, \w+ = ([\d.]+))?(?: \(at alpha = 0.1\))? "
+    r"\| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|$",
+    (Path(__file__).parents[1] / "docs" / "gallery.md").read_text(encoding="utf-8"),
+    flags=re.MULTILINE,
+)
+
+
+@pytest.mark.parametrize(("title", "shape", "values"), [(row[0], row[1], row[2:]) for row in QUANTILES])
+def test_the_page_states_how_slopes_are_distributed(title: str, shape: str, values: tuple[str, ...]) -> None:
+    """Each stated slope rounds the one that a share of the normals exceeds."""
+    family = next(family for family in mf.families() if family.title == title)
+    survival = getattr(mf, family.name).survival
+    for share, value in zip((0.9, 0.5, 0.1, 0.01), values, strict=True):
+        half = 0.5 * 10.0 ** -len(value.partition(".")[2])
+        ends = 0.1 * (float(value) + np.array([-half, half]))
+        above, below = survival(ends, 0.1, *([float(shape)] if shape else []))
+        assert below <= share <= above
+
+
+def test_the_page_states_all_of_them() -> None:
+    assert {row[0] for row in QUANTILES} == {family.title for family in mf.families()}

@@ -102,7 +102,7 @@ def writable(path: str, formats: tuple[str, ...]) -> str:
     "--scene", type=click.Choice(_render.SCENES), default="preview", show_default=True, help="What it covers."
 )
 @click.option("--size", type=_Size(), default="512", show_default=True, metavar="N|WxH", help="In pixels.")
-@click.option("--spp", type=click.IntRange(min=1), default=256, show_default=True, help="Samples per pixel.")
+@click.option("--spp", type=click.IntRange(min=1), default=128, show_default=True, help="Samples per pixel.")
 @click.option(
     "-o",
     "--output",
