@@ -5,7 +5,9 @@ A query is a dictionary that survives JSON:
 - `bsdf`: what `mitsuba.load_dict` takes; `{"grid": [[...], ...]}` stands for a texture of these values;
 - `xml`: instead of it, text for `mitsuba.load_string`;
 - `mode` ("radiance" or "importance"), `component` and `types` (a bit mask): the context; all by default;
-- `set`: values of `mitsuba.traverse` by name, before the questions.
+- `set`: values of `mitsuba.traverse` by name, before the questions;
+- `derivative`: the name of a parameter; then the answer is `eval`, `wo`, `sample_pdf`, and the derivatives
+  `d_eval`, `d_pdf`, `d_weight` by it (only where arrays are differentiated).
 
 The answer holds arrays of one entry per pair of directions: `eval` (n, channels), `pdf`, and of `sample` for
 the same wi: `wo`, `weight`, `sample_pdf`, `eta`, `type`, `component`, and `eval_at`, `pdf_at` of that wo; and
@@ -54,9 +56,12 @@ def answer(given: str, found: str) -> None:
         inputs = dict(arrays)
     queries = json.loads(str(inputs.pop("queries")))
     answers = {}
-    one = _one_at_a_time if mi.variant().startswith("scalar") else _all_at_once
+    usual = _one_at_a_time if mi.variant().startswith("scalar") else _all_at_once
     for name, query in queries.items():
-        made = one(_bsdf(query), _context(query), inputs)
+        if "derivative" in query:
+            made = _derivatives(_bsdf(query), query["derivative"], inputs)
+        else:
+            made = usual(_bsdf(query), _context(query), inputs)
         answers.update({f"{name}/{quantity}": values for quantity, values in made.items()})
     np.savez(found, **answers)
 
@@ -106,16 +111,38 @@ def _flags(bsdf: Any) -> Any:
     return np.array([bsdf.flags(), *(bsdf.flags(k) for k in range(bsdf.component_count()))], np.uint32)
 
 
+def _traced(inputs: dict[str, Any]) -> tuple[Any, Any, Any]:
+    import mitsuba as mi
+
+    wi, wo, xi, uv = (
+        [mi.Float(np.ascontiguousarray(column, np.float32)) for column in inputs[name].T]
+        for name in ("wi", "wo", "xi", "uv")
+    )
+    return _interaction(mi.Vector3f(wi), mi.Point2f(uv), len(inputs["wi"])), mi.Vector3f(wo), xi
+
+
+def _derivatives(bsdf: Any, parameter: str, inputs: dict[str, Any]) -> dict[str, Any]:
+    import drjit as dr
+    import mitsuba as mi
+
+    si, towards, xi = _traced(inputs)
+    parameters, n = mi.traverse(bsdf), len(inputs["wi"])
+    dr.enable_grad(parameters[parameter])
+    parameters.update()
+    value, density = bsdf.eval_pdf(mi.BSDFContext(), si, towards)
+    drawn, weight = bsdf.sample(mi.BSDFContext(), si, xi[2], mi.Point2f(xi[:2]))
+    dr.forward(parameters[parameter])
+    found = {"eval": value, "wo": drawn.wo, "sample_pdf": drawn.pdf}
+    found |= {"d_eval": dr.grad(value), "d_pdf": dr.grad(density), "d_weight": dr.grad(weight)}
+    return {name: _by_pair(dr.detach(value), n) for name, value in found.items()}
+
+
 def _all_at_once(bsdf: Any, context: Any, inputs: dict[str, Any]) -> dict[str, Any]:
     import drjit as dr
     import mitsuba as mi
 
     n = len(inputs["wi"])
-    wi, wo, xi, uv = (
-        [mi.Float(np.ascontiguousarray(column, np.float32)) for column in inputs[name].T]
-        for name in ("wi", "wo", "xi", "uv")
-    )
-    si, towards = _interaction(mi.Vector3f(wi), mi.Point2f(uv), n), mi.Vector3f(wo)
+    si, towards, xi = _traced(inputs)
     value, density = bsdf.eval_pdf(context, si, towards)
     alone = bsdf.eval(context, si, towards), bsdf.pdf(context, si, towards)
     drawn, weight = bsdf.sample(context, si, xi[2], mi.Point2f(xi[:2]))
