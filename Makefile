@@ -86,6 +86,12 @@ fit-coverage: $(VENV)/.package $(VENV)/.test  ## fit known slopes 200 times each
 bench-materials: $(VENV)/.package $(VENV)/.bench  ## materials beside Mitsuba's, and walks per second
 	$(BIN)/python -m benchmarks materials $(ARGS)
 
+bench-mitsuba: $(VENV)/.package $(VENV)/.bench  ## pictures by the Mitsuba plugins beside Mitsuba's own (some minutes)
+	$(BIN)/python -m benchmarks mitsuba $(ARGS)
+
+docs-mitsuba: $(VENV)/.package $(VENV)/.test  ## test the samplers of the Mitsuba plugins and write docs/mitsuba_tests.md (half an hour)
+	$(BIN)/python tools/measure_mitsuba.py $(ARGS)
+
 docs-traced: $(VENV)/.package $(VENV)/.bench  ## trace explicit surfaces, compare with the walk, write docs/traced_surface.md
 	$(BIN)/python tools/trace_surface.py $(ARGS)
 

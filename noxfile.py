@@ -12,7 +12,7 @@ def delegate(target: str) -> None:
         session.run("make", target, *session.posargs, external=True)
 
 
-DOCUMENTS = ("docs-accuracy", "docs-sampling", "docs-furnace", "docs-traced", "fit-coverage")
+DOCUMENTS = ("docs-accuracy", "docs-sampling", "docs-furnace", "docs-traced", "docs-mitsuba", "fit-coverage")
 for target in (
     "report",
     "lint",
@@ -23,5 +23,6 @@ for target in (
     *DOCUMENTS,
     "bench-fit",
     "bench-materials",
+    "bench-mitsuba",
 ):
     delegate(target)

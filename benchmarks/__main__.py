@@ -1,4 +1,4 @@
-"""The commands: run, check, page, materials."""
+"""The commands: run, check, page, materials, mitsuba."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import click
 
 from . import charts, gate, machine, page, scaling_page, suite
 from .materials import materials
+from .mitsuba import mitsuba
 from .results import Results, write_whole
 from .runner import CONSOLE, Settings, consume, measure, show
 
@@ -104,6 +105,7 @@ def check(record: bool, seconds: float, thresholds: Path) -> None:
 
 
 main.add_command(materials)
+main.add_command(mitsuba)
 
 
 def _write_page(results: Results, output: Path) -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import mitsuba_process
+
 EXAMPLES = Path(__file__).parents[1] / "examples" / "python"
 
 
@@ -19,9 +21,12 @@ EXAMPLES = Path(__file__).parents[1] / "examples" / "python"
         ("furnace_sphere.py", "GGX       single   mean light 0.5"),
         ("lobes.py", "diffuse facets  all       largest"),
         ("check_a_sampler.py", "one percent too rough  89 degrees: chi-square fails"),
+        ("inverse_rendering.py", "recovered: alpha 0.20, gamma 2.2"),
     ],
 )
 def test_example_runs(name: str, announced: str, tmp_path: Path) -> None:
+    if name == "inverse_rendering.py":
+        mitsuba_process.require("llvm_ad_rgb")
     done = subprocess.run(
         [sys.executable, str(EXAMPLES / name)], cwd=tmp_path, capture_output=True, text=True, timeout=300
     )
