@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 import microfacet as mf
+import mitsuba_process
 
 ROOT = pathlib.Path(__file__).parent.parent
 COMPILER = os.environ.get("CXX") or shutil.which("g++") or shutil.which("clang++")
@@ -67,8 +68,13 @@ def test_the_code_of_a_document_runs(
         r"```python\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), flags=re.DOTALL
     )
     assert blocks
+    # A variant of Mitsuba belongs to a whole process.
+    if rendering := [block for block in blocks if "mitsuba" in block]:
+        mitsuba_process.run("\n".join(rendering), "llvm_ad_rgb")
     names: dict[str, Any] = {}
     for block in blocks:
+        if block in rendering:
+            continue
         if ">>>" in block:
             test = doctest.DocTestParser().get_doctest(block, names, document, document, 0)
             outcome = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(
