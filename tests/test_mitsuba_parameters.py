@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -262,6 +263,19 @@ def test_mistakes_are_named(complaints: list[str], number: int) -> None:
     said = complaints[number]
     assert all(word in said for word in [plugin, *words]), said
     assert len([line for line in said.splitlines() if all(word in line for word in words)]) == 1
+
+
+# --- the page ---
+
+
+def test_the_code_of_the_document_runs() -> None:
+    text = (Path(__file__).parents[1] / "docs" / "mitsuba.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    assert len(blocks) == 3
+    mitsuba_process.run("\n".join(blocks), LLVM)
+    (described,) = re.findall(r"```xml\n(.*?)```", text, flags=re.DOTALL)
+    code = "print(mi.load_string(sys.argv[1].replace('<bsdf', '<bsdf version=\"3.0.0\"', 1)))"
+    assert "rough_conductor" in mitsuba_process.run(code, SCALAR, described)
 
 
 # --- variants ---

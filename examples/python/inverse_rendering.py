@@ -14,7 +14,7 @@ import microfacet.mitsuba  # noqa: E402, F401  (registers the plugins)
 
 TRUE = {"alpha": 0.2, "gamma": 2.2}
 START = {"alpha": 0.5, "gamma": 5.0}
-STEPS = 80
+STEPS = 120
 
 scene = mi.load_dict(
     {
@@ -61,7 +61,7 @@ for step in range(STEPS):
     loss = dr.mean(dr.square(compress(picture) - compress(photograph)))
     dr.backward(loss)
     optimizer.step()
-    if step % 20 == 0 or step == STEPS - 1:
+    if step % 30 == 0 or step == STEPS - 1:
         alpha, gamma = parameters[names["alpha"]][0], parameters[names["gamma"]][0]
         print(f"step {step:3}: alpha {alpha:.3f}, gamma {gamma:.2f}, loss {loss[0]:.4f}")
     optimizer.set_learning_rate(0.1 if step < STEPS // 2 else 0.02)  # first far, then exactly
