@@ -39,10 +39,10 @@ visible_slopes<T> composed_from_below(const Family& family, const T& X, const T&
 template <class Family, class T>
 visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& excess, const T& part,
                                   const uniforms<T>& u) {
-  const auto reached = tables_reach(family, T(-X));
   if constexpr (requires { requires Family::always_composes; }) {
-    return composed_from_below(family, X, excess, part, u, reached);
+    return composed_from_below(family, X, excess, part, u, excess > T(1e-30));
   } else {
+    const auto reached = tables_reach(family, T(-X));
     const auto solved = [&] { return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]); };
     if constexpr (requires { family.excess_radius(X); }) {
       const auto composed = [&] { return composed_from_below(family, X, excess, part, u, reached); };

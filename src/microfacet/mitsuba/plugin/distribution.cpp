@@ -201,6 +201,14 @@ class family_distribution final : public distribution {
       using Int32 = drjit::int32_array_t<Float>;
       storage_.floats = drjit::load<buffer<Float>>(flat.floats.data(), flat.floats.size());
       storage_.integers = drjit::load<buffer<Int32>>(flat.integers.data(), flat.integers.size());
+      for (std::size_t f = 0; f < table_functions; ++f) {
+        const float* floats = flat.floats.data() + f * table_layout::floats;
+        const std::int32_t* integers = flat.integers.data() + f * table_layout::integers;
+        auto& h = storage_.headers[f];
+        h = {Float(floats[table_layout::lower]), Float(floats[table_layout::last]),
+             Int32(integers[table_layout::base]), Int32(integers[table_layout::shift])};
+        drjit::make_opaque(h.lower, h.last, h.base, h.shift);
+      }
     }
   }
   void append(flat_tables& flat) {

@@ -31,12 +31,11 @@ void flatten(const tables::table& t, float* floats, std::int32_t* integers) {
     row[layout::centre] = t.centre[i], row[layout::value] = 0.5F * t.twice_value[i];
     for (std::size_t k = 0; k < layout::terms; ++k) row[layout::coefficient + k] = t.coefficient[k][i];
   }
-  floats[layout::last] = t.last, floats[layout::lower] = t.lower, floats[layout::at_zero] = t.at_zero;
-  const std::size_t cells = tables::table::cells(t.few);
-  for (std::size_t cell = 0; cell < cells; ++cell)
-    integers[cell] = static_cast<std::int32_t>(t.piece_of_cell(cell));
+  floats[layout::last] = t.last, floats[layout::lower] = t.lower;
+  // The number of a cell counts modulo the number of cells.
+  for (std::size_t cell = 0; cell < layout::cells; ++cell)
+    integers[cell] = static_cast<std::int32_t>(t.piece_of_cell(cell % tables::table::cells(t.few)));
   integers[layout::base] = t.base, integers[layout::shift] = t.shift;
-  integers[layout::mask] = static_cast<std::int32_t>(cells - 1);
 }
 
 }  // namespace

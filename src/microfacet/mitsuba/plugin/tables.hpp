@@ -26,13 +26,12 @@ enum table_function : std::uint32_t {
 struct table_layout {
   static constexpr std::uint32_t pieces = 32, terms = 8, cells = 256;
   // A row for each piece, read as one packet: the centre, the value there, and the coefficients. Then one row
-  // of `last`, `lower`, `at_zero`, and a constant that goes with the function: M(0) with the moment, 1/P2(0)
-  // with the marginal radius.
+  // of `last`, `lower`, and a constant that goes with the function: M(0) with the moment, 1/P2(0) with the
+  // marginal radius. Below `lower`, which is next to nothing, a function stays as it is there.
   static constexpr std::uint32_t row = 16, centre = 0, value = 1, coefficient = 2, last = pieces * row,
-                                 lower = last + 1, at_zero = last + 2, constant = last + 3,
-                                 floats = last + row;
-  // The piece of each cell, then `base`, `shift` and the number of cells less one.
-  static constexpr std::uint32_t base = cells, shift = cells + 1, mask = cells + 2, integers = cells + 4;
+                                 lower = last + 1, constant = last + 2, floats = last + row;
+  // The piece of each cell, then `base` and `shift`.
+  static constexpr std::uint32_t base = cells, shift = cells + 1, integers = cells + 4;
 };
 
 // A density of unit roughness (of roughness alpha for gtr) and its shape parameter; families without one

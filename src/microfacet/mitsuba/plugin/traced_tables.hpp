@@ -37,8 +37,15 @@ struct table_storage {
   using Int32 = dr::int32_array_t<R>;
   static constexpr std::size_t most_parameters = 2;
 
+  // How a function finds its piece.
+  struct header {
+    R lower, last;
+    Int32 base, shift;
+  };
+
   buffer<R> floats;
   buffer<Int32> integers;
+  std::array<header, table_functions> headers{};  // of the first block: numbers, which cost no gathers
   std::size_t parameters = 0;
   std::array<R, most_parameters> parameter{}, inverse_of_steps{};  // 1/(12 h)
 };
@@ -96,13 +103,14 @@ class traced_table {
   static constexpr std::array<float, table_functions> growth{-1, 1, -0.5F, 1, 1, 1, 1, 1};
 
   R here(const R& x) const {
-    const R value = in_block(UInt32(function_), x);
+    const R value = in_block(UInt32(function_), storage_->headers[function_], x);
     R change(0);
     for (std::uint32_t j = 0; j < storage_->parameters; ++j) {
       if (!dr::grad_enabled(storage_->parameter[j])) continue;
       // Zero, with the slope of central differences.
       const auto at = [&](std::uint32_t k) {
-        return in_block(UInt32((1 + 4 * j + k) * table_functions + function_), x);
+        const UInt32 block((1 + 4 * j + k) * table_functions + function_);
+        return in_block(block, header_of(block), x);
       };
       const R slope = (R(8) * (at(2) - at(1)) - (at(3) - at(0))) * storage_->inverse_of_steps[j];
       change = change + (storage_->parameter[j] - dr::detach(storage_->parameter[j])) * dr::detach(slope);
@@ -115,7 +123,7 @@ class traced_table {
     for (std::uint32_t i = 0; i < 4; ++i) {
       const R log_node = alpha.log_of_node(i);
       const R scale = exp(R(growth_of_argument[function_]) * (log_node - alpha.log_alpha));
-      const R value = maximum(in_block(node(i), R(x * scale)), smallest<R>());
+      const R value = maximum(in_block(node(i), header_of(node(i)), R(x * scale)), smallest<R>());
       sum = sum + alpha.weight[i] * (log(value) - R(growth[function_]) * log_node);
     }
     return exp(sum);
@@ -128,16 +136,19 @@ class traced_table {
   Int32 integer(const UInt32& at) const { return dr::gather<Int32>(storage_->integers, at); }
   static UInt32 row_of(const UInt32& block) { return block * UInt32(layout::floats / layout::row); }
 
-  R in_block(const UInt32& block, const R& x) const {
-    const UInt32 first_row = row_of(block), floats = first_row * layout::row;
-    const R lower = number(floats + layout::lower);
-    const R inside = minimum(maximum(x, lower), R(0x1p126));
-    const UInt32 piece = piece_of(dr::detach(minimum(inside, number(floats + layout::last))), block);
-    const std::array<R, layout::row> at = row(piece + first_row);
+  using header = typename table_storage<R>::header;
+  header header_of(const UInt32& block) const {
+    const UInt32 floats = row_of(block) * layout::row, integers = block * UInt32(layout::integers);
+    return {number(floats + layout::lower), number(floats + layout::last), integer(integers + layout::base),
+            integer(integers + layout::shift)};
+  }
+  R in_block(const UInt32& block, const header& h, const R& x) const {
+    const R inside = minimum(maximum(x, h.lower), R(0x1p126));
+    const UInt32 piece = piece_of(dr::detach(minimum(inside, h.last)), h, block);
+    const std::array<R, layout::row> at = row(piece + row_of(block));
     const R v = log(inside) - at[layout::centre];
     const R slope = interleaved<layout::terms>([&](std::size_t k) { return at[layout::coefficient + k]; }, v);
-    const R value = at[layout::value] * exp(R(v * slope));
-    return select(x >= lower, value, number(floats + layout::at_zero));
+    return at[layout::value] * exp(R(v * slope));
   }
 
   std::array<R, layout::row> row(const UInt32& index) const {
@@ -153,12 +164,10 @@ class traced_table {
   }
 
   // core/piecewise.hpp: the piece follows from the leading bits.
-  UInt32 piece_of(const R& x, const UInt32& block) const {
-    const UInt32 integers = block * UInt32(layout::integers);
-    const Int32 fine = dr::reinterpret_array<Int32>(x) - integer(integers + layout::base);
-    const Int32 k = dr::maximum(fine, fine >> 6);
-    const Int32 cell = (k >> integer(integers + layout::shift)) & integer(integers + layout::mask);
-    return UInt32(integer(UInt32(cell) + integers));
+  UInt32 piece_of(const R& x, const header& h, const UInt32& block) const {
+    const Int32 fine = dr::reinterpret_array<Int32>(x) - h.base;
+    const Int32 cell = (dr::maximum(fine, fine >> 6) >> h.shift) & Int32(layout::cells - 1);
+    return UInt32(integer(UInt32(cell) + block * UInt32(layout::integers)));
   }
 
   const table_storage<R>* storage_;
