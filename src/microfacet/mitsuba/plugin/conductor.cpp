@@ -110,15 +110,6 @@ std::pair<Spectrum, Float> rough_conductor::eval_pdf(const mi::BSDFContext& cont
   return {value & active, select(active, pdf, Float(0))};
 }
 
-Spectrum rough_conductor::eval(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                               Mask active) const {
-  return eval_pdf(context, si, wo, active).first;
-}
-Float rough_conductor::pdf(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                           Mask active) const {
-  return eval_pdf(context, si, wo, active).second;
-}
-
 std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& context, const Interaction& si,
                                                     Float sample1, const Point2& sample2, Mask active) const {
   Sample result = dr::zeros<Sample>();
@@ -135,7 +126,7 @@ std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& conte
     const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
     const auto [wo, left] = facet_walk(*distribution_, r, facets, seed).sample(wi, active);
     result.wo = local(wo);
-    result.pdf = rough_conductor::pdf(context, si, result.wo, active & (wo.z > Float(0)));
+    result.pdf = pdf(context, si, result.wo, active & (wo.z > Float(0)));
     return {result, depolarised(left) & active & (result.pdf > Float(0))};
   }
   const vec3<Float> m = visible(r, wi, sample2), wo = reflect(wi, m);

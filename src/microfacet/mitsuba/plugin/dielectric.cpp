@@ -154,15 +154,6 @@ std::pair<Spectrum, Float> rough_dielectric::eval_pdf(const mi::BSDFContext& con
   return {result & active, select(active, pdf, Float(0))};
 }
 
-Spectrum rough_dielectric::eval(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                                Mask active) const {
-  return eval_pdf(context, si, wo, active).first;
-}
-Float rough_dielectric::pdf(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                            Mask active) const {
-  return eval_pdf(context, si, wo, active).second;
-}
-
 std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& context, const Interaction& si,
                                                      Float sample1, const Point2& sample2,
                                                      Mask active) const {

@@ -36,10 +36,6 @@ class rough_dielectric final : public rough_bsdf {
 
   std::pair<Sample, Spectrum> sample(const mi::BSDFContext& context, const Interaction& si, Float sample1,
                                      const Point2& sample2, Mask active) const override;
-  Spectrum eval(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                Mask active) const override;
-  Float pdf(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-            Mask active) const override;
   std::pair<Spectrum, Float> eval_pdf(const mi::BSDFContext& context, const Interaction& si,
                                       const Vector3& wo, Mask active) const override;
 

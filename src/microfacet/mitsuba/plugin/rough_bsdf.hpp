@@ -48,6 +48,15 @@ class rough_bsdf : public Base {
   void parameters_changed(const std::vector<std::string>& keys = {}) override;
   std::string to_string() const override;
 
+  Spectrum eval(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                Mask active) const override {
+    return eval_pdf(context, si, wo, active).first;
+  }
+  Float pdf(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+            Mask active) const override {
+    return eval_pdf(context, si, wo, active).second;
+  }
+
  protected:
   explicit rough_bsdf(const mi::Properties& properties);
 
