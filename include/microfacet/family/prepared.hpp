@@ -27,6 +27,7 @@ class prepared {
   static constexpr std::array<std::string_view, 0> sources{};
   static constexpr bool shape_invariant = true;
   static constexpr bool native_float32 = true;
+  static constexpr bool always_composes = requires { requires tables::always_composes; };
   static constexpr unsigned costly = 0;
 
   explicit prepared(const tables& t) : t_(&t) {}
@@ -46,10 +47,15 @@ class prepared {
   MICROFACET_INLINE R radius(const R& xi) const {
     return t_->radius(quotient(twofold<R>(xi), exact_sum_of_ordered(R(1), R(-xi))));
   }
+  // At a probability to be exceeded, for numbers whose expm1 is dear.
+  MICROFACET_INLINE R radius_at_survival(const R& rest) const
+    requires always_composes
+  {
+    return t_->radius(twofold<R>((R(1) - rest) / rest));
+  }
   MICROFACET_INLINE R radius_at_odds(const R& odds) const { return t_->radius(twofold<R>(odds)); }
   MICROFACET_INLINE const auto& visible() const { return t_->visible; }
   // For smith/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
-  static constexpr bool always_composes = requires { requires tables::always_composes; };
   MICROFACET_INLINE bool composes() const { return t_->visible.complete; }
   MICROFACET_INLINE R excess_radius(const R& v) const
     requires(tables::single)

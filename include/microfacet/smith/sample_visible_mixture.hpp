@@ -60,7 +60,9 @@ template <class Family, class T>
 visible_slopes<T> turned_towards(const Family& family, const T& c, const T& rest, const uniforms<T>& u) {
   const T depth = -log(maximum(rest, smallest<T>()));
   const T r = [&] {
-    if constexpr (requires { family.survival_radius(depth); }) {
+    if constexpr (requires { family.radius_at_survival(rest); }) {
+      return family.radius_at_survival(maximum(rest, smallest<T>()));
+    } else if constexpr (requires { family.survival_radius(depth); }) {
       return family.survival_radius(depth);
     } else {
       return visible_tails<Family, T>(family).survival_radius(depth);

@@ -83,6 +83,10 @@ void rough_conductor::refuse(const roughness& r, const conductor_facets& facets)
   if (distribution_->differentiated()) refuse_gradients_of_walks();
 }
 
+Float rough_conductor::guide(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo) const {
+  const Float first_order = pdf_of_mirrors(statistics(r, wi, wo, reflecting_facet(wi, wo)));
+  return guide(wo.z, first_order);
+}
 Float rough_conductor::guide(const Float& wo_z, const Float& first_order) {
   constexpr float diffuse = 0.2F;
   return (first_order + Float(diffuse / pi) * maximum(wo_z, Float(0))) * Float(1 / (1 + diffuse));
@@ -126,7 +130,8 @@ std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& conte
     const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
     const auto [wo, left] = facet_walk(*distribution_, r, facets, seed).sample(wi, active);
     result.wo = local(wo);
-    result.pdf = pdf(context, si, result.wo, active & (wo.z > Float(0)));
+    active &= wo.z > Float(0);
+    result.pdf = select(active, guide(r, wi, wo), Float(0));
     return {result, depolarised(left) & active & (result.pdf > Float(0))};
   }
   const vec3<Float> m = visible(r, wi, sample2), wo = reflect(wi, m);

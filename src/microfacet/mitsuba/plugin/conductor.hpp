@@ -43,6 +43,7 @@ class rough_conductor final : public rough_bsdf {
   // The density by which directions are weighed beside other strategies: not that of the walk, which has no
   // closed form, but one of like shape.
   static Float guide(const Float& wo_z, const Float& first_order);
+  Float guide(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo) const;
   void refuse(const roughness& r, const conductor_facets& facets) const;
   // Fresnel's reflection of a facet, as a Mueller matrix where light is polarised.
   static Spectrum reflectance(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,

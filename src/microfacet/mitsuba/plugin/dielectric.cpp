@@ -208,7 +208,9 @@ std::pair<Sample, Spectrum> rough_dielectric::walk(const mi::BSDFContext& contex
   if (!wanted.both()) active &= crossed == Mask(wanted.transmission);
   Sample result = dr::zeros<Sample>();
   result.wo = local(scaled(wo, at.turned));
-  result.pdf = pdf(context, si, result.wo, active);
+  const vec3<Float> m = at.material.facet(at.wi, wo);
+  const Float drawn = at.material.phase(at.wi, wo, m, statistics(r, at.wi, wo, m));
+  result.pdf = select(active, guide(wo.z, drawn), Float(0));
   active &= result.pdf > Float(0);
   result.eta = select(crossed, at.material.eta(), Float(1));
   result.sampled_component = dr::select(crossed, UInt32(1), UInt32(0));

@@ -10,6 +10,7 @@
 #include "traced_tables.hpp"
 
 #include "microfacet/family/all.hpp"
+#include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/sample_visible_mixture.hpp"
 #include "microfacet/smith/shape.hpp"
@@ -95,9 +96,8 @@ class family_distribution final : public distribution {
   template <class Use>
   auto on(const roughness& r, const Use& use) const {
     const Float alpha = varies_ ? on_grid(r.u) : alpha_;
-    const auto with = [&](const tables* t) {
-      const auto family = traced<Family>::make(t, alpha, shape_);
-      using traced_family = std::remove_const_t<decltype(family)>;
+    const auto under_shape = [&](const auto& family) {
+      using traced_family = std::remove_cvref_t<decltype(family)>;
       const auto under = [&]<class Shape>(const Shape& shape) {
         return use(ndf<traced_family, Float, Shape>(family, shape));
       };
@@ -112,9 +112,13 @@ class family_distribution final : public distribution {
         fail("%s: \"%s\" cannot be differentiated where alpha is a texture that varies", Family::name,
              Family::parameters[0].name);
       const tables t(storage_, varies_ ? tables::between(alpha_between<Float>(alpha)) : tables::between());
-      return with(&t);
+      // The closed density of a roughness that does not vary costs more than its table.
+      if constexpr (!Family::shape_invariant) {
+        if (!varies_) return under_shape(prepared<Float, tables>(t));
+      }
+      return under_shape(traced<Family>::make(&t, alpha, shape_));
     } else {
-      return with(nullptr);
+      return under_shape(traced<Family>::make(nullptr, alpha, shape_));
     }
   }
   static Float on_grid(const Float& alpha) {
@@ -160,7 +164,7 @@ class family_distribution final : public distribution {
       inverse = Float(static_cast<float>(1 / (12 * step)));
       drjit::make_opaque(inverse);
     };
-    if constexpr (has_shape && !std::same_as<Family, student_t<Float>>) {
+    if constexpr (has_shape) {
       if (drjit::grad_enabled(shape_))
         differences(shape_, 0.02 * (shape - Family::parameters[0].lower), 0, 1);
     }

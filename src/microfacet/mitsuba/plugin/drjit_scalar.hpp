@@ -48,7 +48,13 @@ V log1p(const V& x) {
 template <real_array V>
 V expm1(const V& x) {
   const V u = exp(x);
-  return select(u == V(1), x, select(abs(x) < V(0.5), (u - V(1)) * x / log(u), u - V(1)));
+  if constexpr (sizeof(scalar_t<V>) == 4) {
+    V series(1);  // of (exp(x) - 1)/x
+    for (int k = 9; k >= 2; --k) series = fmadd(series, x * V(1.0 / k), V(1));
+    return select(abs(x) < V(0.5), x * series, u - V(1));
+  } else {
+    return select(u == V(1), x, select(abs(x) < V(0.5), (u - V(1)) * x / log(u), u - V(1)));
+  }
 }
 
 }  // namespace drjit

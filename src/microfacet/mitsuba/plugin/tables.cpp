@@ -18,7 +18,8 @@ void build(tables& t, const table_request& request, table_use use) {
   const unsigned of_directions = of_P22 | of_slope_excess;
   const unsigned functions = all ? of_directions | of_radius | of_P2 | of_visible : of_directions;
   if (request.family == "beckmann") t.build(beckmann<double>(), of_visible);
-  if (request.family == "student_t") t.build(student_t<double>(request.shape), of_slope_excess | of_visible);
+  if (request.family == "student_t")
+    t.build(student_t<double>(request.shape), all ? of_slope_excess | of_visible : of_slope_excess);
   if (request.family == "gtr") t.build(gtr<double>(request.alpha, request.shape), functions);
   if (request.family == "bessel_k") t.build(bessel_k<double>(request.shape), functions);
 }

@@ -28,6 +28,23 @@ class with_table : public Closed {
   const tables* tables_;
 };
 
+// The same, where the projected area costs more than its table.
+template <class Closed>
+class with_table_of_excess : public with_table<Closed> {
+ public:
+  template <class... Arguments>
+  explicit with_table_of_excess(const tables& t, const Arguments&... arguments)
+      : with_table<Closed>(t, arguments...), prepared_(t) {}
+
+  Float slope_excess(const slope<Float>& x) const { return prepared_.slope_excess(x); }
+  fraction<Float> sigma_below(const Float& c, const twofold<Float>& s2) const {
+    return prepared_.sigma_below(c, s2);
+  }
+
+ private:
+  prepared<Float, tables> prepared_;
+};
+
 // A closed density, and tables for all else.
 template <class Closed>
 class with_tables : public prepared<Float, tables> {
@@ -56,7 +73,7 @@ template <>
 struct traced<student_t<Float>> {
   static constexpr bool has_tables = true;
   static auto make(const tables* t, const Float&, const Float& shape) {
-    return with_table<student_t<Float>>(*t, shape);
+    return with_table_of_excess<student_t<Float>>(*t, shape);
   }
 };
 template <>
