@@ -103,7 +103,9 @@ def _interaction(wi: Any, uv: Any, n: int) -> Any:
     interaction = dr.zeros(mi.SurfaceInteraction3f, n) if n else mi.SurfaceInteraction3f()
     interaction.wi, interaction.uv = wi, uv
     if mi.is_spectral:
-        interaction.wavelengths = mi.Color0f() if mi.is_monochromatic else mi.Spectrum(*WAVELENGTHS)
+        interaction.wavelengths = (
+            mi.Color0f() if mi.is_monochromatic else mi.UnpolarizedSpectrum(*WAVELENGTHS)
+        )
     return interaction
 
 

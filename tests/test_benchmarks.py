@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from benchmarks import gate, renderer, scaling, suite, targets  # noqa: E402
+from benchmarks import mitsuba as pictures  # noqa: E402
 from benchmarks.__main__ import main  # noqa: E402
 from benchmarks.expressions import EXPRESSIONS  # noqa: E402
 from benchmarks.kernels import KERNELS, PARAMETERS, Inputs, Kernel, bind  # noqa: E402
@@ -172,3 +173,22 @@ def test_a_missing_mitsuba_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> N
     names, sentence = renderer.usable()
     assert names == ()
     assert sentence == "Mitsuba is not installed (pip install mitsuba)"
+
+
+def test_pictures_stand_beside_the_built_in_plugin_of_their_family() -> None:
+    """Or beside Beckmann; ratios are formed within a round."""
+    rounds = np.array([1.0, 2.0, 4.0])
+    times = {
+        "built-in beckmann": rounds,
+        "built-in ggx": 0.5 * rounds,
+        "ggx single": 0.5 * rounds,
+        "k0 single": 2.0 * rounds,
+        "k0 multiple": 9.0 * rounds,
+    }
+    found = {(r.family, r.scattering): r for r in pictures.compared("conductor", times, 10)}
+    assert len(found) == 3
+    assert found["ggx", "single"].beside == "built-in ggx"
+    assert found["k0", "single"].beside == "built-in beckmann"
+    assert [r.ratio.median for r in found.values()] == [1.0, 2.0, 9.0]
+    assert [r.missed for r in found.values()] == [False, True, False]
+    assert found["ggx", "single"].milliseconds == 1e4
