@@ -111,15 +111,17 @@ def compared(material: str, times: dict[str, Times], evaluations: int) -> Iterat
         yield Ratio(material, family, scattering, beside, milliseconds, spread, target)
 
 
-def measure(size: int, samples: int, seconds: float, multiple: bool) -> list[Ratio]:
-    """Metal, then glass."""
+def measure(
+    materials: tuple[str, ...], size: int, samples: int, seconds: float, multiple: bool
+) -> list[Ratio]:
+    """One material after the other."""
     import mitsuba
 
     mitsuba.set_variant(renderer.VARIANT)
     import microfacet.mitsuba  # noqa: F401  (registers the plugins)
 
     found: list[Ratio] = []
-    for material in CONSTANTS:
+    for material in materials:
         entrants = contenders(material, size, samples, multiple)
         times = interleave(entrants, seconds)
         found += compared(material, times, entrants[0].evaluations)
@@ -132,16 +134,21 @@ def measure(size: int, samples: int, seconds: float, multiple: bool) -> list[Rat
 @click.option(
     "--seconds", type=float, default=60.0, show_default=True, help="Budget for metal, and for glass."
 )
+@click.option(
+    "--only", type=click.Choice(list(CONSTANTS)), multiple=True, help="Repeatable; both by default."
+)
 @click.option("--multiple", is_flag=True, help="All orders of scattering, too.")
 @click.option(
     "--json", "file", type=click.Path(dir_okay=False, path_type=Path), help="Also write the ratios here."
 )
-def mitsuba(size: int, samples: int, seconds: float, multiple: bool, file: Path | None) -> None:
+def mitsuba(
+    size: int, samples: int, seconds: float, only: tuple[str, ...], multiple: bool, file: Path | None
+) -> None:
     """Pictures by the Mitsuba plugins beside pictures by its own."""
     names, note = renderer.usable()
     if not names:
         raise click.ClickException(str(note))
-    found = measure(size, samples, seconds, multiple)
+    found = measure(only or tuple(CONSTANTS), size, samples, seconds, multiple)
     heads = ("material", "family", "orders", "ms", "beside", "time / its time", "at most")
     table = Table(*heads, title=f"{size} x {size} pixels, {samples} samples, {renderer.VARIANT}")
     for r in found:
