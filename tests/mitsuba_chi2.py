@@ -158,10 +158,9 @@ def run_scalar(case: Case, tests: int, samples: int = 20_000) -> Outcome:
         values = [bsdf.pdf(context, interaction, wo) for wo in w.reshape(-1, 3).tolist()]
         return np.array(values).reshape(w.shape[:-1])
 
-    found = chi2(
-        draw, density, domain="sphere", n=samples, dims=3, dtype=np.float32,
-        resolution=(8, 8), seed=zlib.crc32(str(case).encode()), significance=SIGNIFICANCE, tests=tests, lossy=True,
-    )  # fmt: skip
+    options: dict[str, Any] = {"dtype": np.float32, "resolution": (8, 8), "lossy": True}
+    options |= {"seed": zlib.crc32(str(case).encode()), "significance": SIGNIFICANCE, "tests": tests}
+    found = chi2(draw, density, domain="sphere", n=samples, dims=3, **options)
     drawn = 1.0 - found.outside / samples
     spent = time.perf_counter() - begin
     return Outcome(str(case), found.p_value, found.passed, found.mass, drawn, spent, repr(found))
