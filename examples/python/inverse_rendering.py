@@ -53,6 +53,7 @@ def compress(picture):
     return dr.log(picture.array + 1e-3)
 
 
+tail = []  # the last steps, which scatter about the result
 for step in range(STEPS):
     parameters[names["alpha"]] = dr.exp(optimizer["alpha"])
     parameters[names["gamma"]] = 1.5 + dr.exp(optimizer["gamma"])
@@ -61,10 +62,13 @@ for step in range(STEPS):
     loss = dr.mean(dr.square(compress(picture) - compress(photograph)))
     dr.backward(loss)
     optimizer.step()
-    if step % 30 == 0 or step == STEPS - 1:
-        alpha, gamma = parameters[names["alpha"]][0], parameters[names["gamma"]][0]
+    alpha, gamma = parameters[names["alpha"]][0], parameters[names["gamma"]][0]
+    if step >= STEPS - 20:
+        tail.append((alpha, gamma))
+    if step % 20 == 0 or step == STEPS - 1:
         print(f"step {step:3}: alpha {alpha:.3f}, gamma {gamma:.2f}, loss {loss[0]:.4f}")
     optimizer.set_learning_rate(0.1 if step < STEPS // 2 else 0.02)  # first far, then exactly
 
-print(f"recovered: alpha {alpha:.2f}, gamma {gamma:.2f}")
-print(f"true:      alpha {TRUE['alpha']:.2f}, gamma {TRUE['gamma']:.2f}")
+alpha, gamma = (sum(values) / len(tail) for values in zip(*tail, strict=True))
+print(f"recovered: alpha {alpha:.3f}, gamma {gamma:.2f}")
+print(f"true:      alpha {TRUE['alpha']:.3f}, gamma {TRUE['gamma']:.2f}")
