@@ -129,19 +129,20 @@ std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& conte
     refuse(r, facets);
     const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
     const auto [wo, left] = facet_walk(*distribution_, r, facets, seed).sample(wi, active);
-    result.wo = local(wo);
     active &= wo.z > Float(0);
+    result.wo = dr::select(active, local(wo), dr::zeros<Vector3>());
     result.pdf = select(active, guide(r, wi, wo), Float(0));
     return {result, depolarised(left) & active & (result.pdf > Float(0))};
   }
   const vec3<Float> m = visible(r, wi, sample2), wo = reflect(wi, m);
   const facet_statistics<Float> at = statistics(r, wi, wo, m);
-  result.wo = local(wo);
   const Float pdf = pdf_of_mirrors(at);
   Float weight = shadowing<false>(wi.z, wo.z, at, correlated_);
   // The direction stands still: what changes of its value is that of the density, too.
   if (differentiated(r)) weight = weight * pdf / dr::detach(pdf);
   active &= (wo.z > Float(0)) & (pdf > Float(0)) & (pdf < Float(inf));
+  // What has no weight has no direction either, where one may be no number.
+  result.wo = dr::select(active, local(wo), dr::zeros<Vector3>());
   result.pdf = select(active, dr::detach(pdf), Float(0));
   return {result, reflectance(context, si, result.wo, m, facets) * select(active, weight, Float(0)) & active};
 }

@@ -183,7 +183,7 @@ std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& cont
   if (differentiated(r) || dr::grad_enabled(eta_)) weight = weight * pdf / dr::detach(pdf);
   active &= (pdf > Float(0)) & (pdf < Float(inf));
 
-  result.wo = local(scaled(w, at.turned));
+  result.wo = dr::select(active, local(scaled(w, at.turned)), dr::zeros<Vector3>());
   result.pdf = select(active, dr::detach(pdf), Float(0));
   result.eta = select(passed, at.material.eta(), Float(1));
   result.sampled_component = dr::select(passed, UInt32(1), UInt32(0));
@@ -207,7 +207,7 @@ std::pair<Sample, Spectrum> rough_dielectric::walk(const mi::BSDFContext& contex
   Mask active = active_ & (wo.z != Float(0));
   if (!wanted.both()) active &= crossed == Mask(wanted.transmission);
   Sample result = dr::zeros<Sample>();
-  result.wo = local(scaled(wo, at.turned));
+  result.wo = dr::select(active, local(scaled(wo, at.turned)), dr::zeros<Vector3>());
   const vec3<Float> m = at.material.facet(at.wi, wo);
   const Float drawn = at.material.phase(at.wi, wo, m, statistics(r, at.wi, wo, m));
   result.pdf = select(active, guide(wo.z, drawn), Float(0));
