@@ -47,9 +47,10 @@ azimuth of {azimuth:g} degrees; gtr gamma in {gtr}, student_t gamma in {student_
 {samples:,} samples in each test, 50 x 101 cells. All {tests:,} tests together fail correct plugins with
 probability {significance:g} (Sidak), so that each p-value has to exceed {threshold:.2g}.
 
-The harness integrates the density over a cell by the trapezoidal rule. Where the density is infinite at the
-mean normal (K0, Bessel K with a <= 1), or much narrower than a cell (alpha = 0.05 along the normal), that
-integral is wrong: the harness rejects exact samples of exact densities, and Mitsuba's own `roughdielectric`.
+The harness integrates the density over a cell by the trapezoidal rule. Where the density is infinite (K0 and
+Bessel K with a <= 1 at the mean normal; heavy tails through glass, in a caustic), or much narrower than a
+cell (alpha = 0.05 along the normal), that integral is wrong: the harness rejects exact samples of exact
+densities, and Mitsuba's own `roughdielectric`.
 Here the cells are integrated adaptively (`tests/mitsuba_chi2.py`); histogram, pooling and statistic are the
 harness's. The column *as it comes* counts tests that pass without this, with `ires={subdivisions}`.
 """

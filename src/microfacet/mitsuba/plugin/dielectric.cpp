@@ -182,6 +182,7 @@ std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& cont
   // The direction stands still: what changes of its value is that of the density, too.
   if (differentiated(r) || dr::grad_enabled(eta_)) weight = weight * pdf / dr::detach(pdf);
   active &= (pdf > Float(0)) & (pdf < Float(inf));
+  weight = maximum(weight, Float(0x1p-100F));  // 0 would say that it was not drawn
 
   result.wo = dr::select(active, local(scaled(w, at.turned)), dr::zeros<Vector3>());
   result.pdf = select(active, dr::detach(pdf), Float(0));
