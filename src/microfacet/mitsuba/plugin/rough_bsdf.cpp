@@ -85,7 +85,8 @@ facet_statistics<Float> rough_bsdf::statistics(const roughness& r, const vec3<Fl
 
 vec3<Float> rough_bsdf::visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const {
   const auto [a, b] = mi::sample_tea_32<UInt32>(bits_of(sample.x()), bits_of(sample.y()), 6);
-  const std::array<Float, 4> xi{off_zero(sample.x()), off_zero(sample.y()), uniform_of_word(a), uniform_of_word(b)};
+  const std::array<Float, 4> xi{off_zero(sample.x()), off_zero(sample.y()), uniform_of_word(a),
+                                uniform_of_word(b)};
   const roughness fixed{dr::detach(r.u), dr::detach(r.v), r.isotropic};
   const vec3<Float> m = distribution_->sample_visible(fixed, wi, xi);
   return {dr::detach(m.x), dr::detach(m.y), dr::detach(m.z)};

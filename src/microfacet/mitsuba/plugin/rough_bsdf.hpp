@@ -33,7 +33,9 @@ using Point2 = mi::Point<Float, 2>;
 using Unpolarized = mi::unpolarized_spectrum_t<Spectrum>;
 
 // Never 0, at which slopes are infinite.
-inline Float uniform_of_word(const UInt32& word) { return (Float(word >> 9) + Float(0.5F)) * Float(0x1p-23F); }
+inline Float uniform_of_word(const UInt32& word) {
+  return (Float(word >> 9) + Float(0.5F)) * Float(0x1p-23F);
+}
 inline Float off_zero(const Float& xi) { return maximum(xi, Float(0x1p-26F)); }
 inline UInt32 bits_of(const Float& x) { return dr::reinterpret_array<UInt32>(dr::detach(x)); }
 inline vec3<Float> local(const Vector3& w) { return {w.x(), w.y(), w.z()}; }
