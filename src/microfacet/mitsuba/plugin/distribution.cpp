@@ -109,7 +109,7 @@ class family_distribution final : public distribution {
     };
     if constexpr (has_tables) {
       if (varies_ && drjit::grad_enabled(shape_))
-        fail("%s: \"%s\" cannot be differentiated where alpha is a texture that varies", Family::name,
+        fail("%s: \"%s\" cannot be differentiated where alpha is a texture that varies", plugin_,
              Family::parameters[0].name);
       const tables t(storage_, varies_ ? tables::between(alpha_between<Float>(alpha)) : tables::between());
       // The closed density of a roughness that does not vary costs more than its table.

@@ -37,10 +37,8 @@ struct walk_seed {
 };
 
 // `Facets` says what facets do:
-//   scatter(back, m, below, xi)             a facet_event
-//   phase(back, side, below, area)          what they send from `back` to `side`, per steradian, given the
-//   area
-//                                           that `back` sees
+//   scatter(back, m, below, xi)      a facet_event
+//   phase(back, side, below, area)   what they send from `back`, which sees `area`, to `side`, per steradian
 template <class Facets>
 class facet_walk {
  public:
@@ -121,7 +119,7 @@ class facet_walk {
     s.w = dr::select(s.alive, local(scaled(e.w, select(e.passed, Float(-1), Float(1)))), s.w);
     s.depth = select(passed, depth_from_below(s.depth), s.depth);
     s.below = s.below ^ passed;
-    // Russian roulette, as bsdf/random_walk.hpp plays it.
+    // Russian roulette as in bsdf/random_walk.hpp; but after very many facets light is lost.
     const Unpolarized throughput = s.throughput * e.factor;
     const Float faint = minimum(maximum(Float(dr::max(throughput) * 4.F), Float(0.05F)), Float(1));
     const Float chance = select(s.met >= UInt32(first_roulette), faint, Float(1));
