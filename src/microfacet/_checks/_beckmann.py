@@ -47,14 +47,14 @@ CHECKS: tuple[Check, ...] = (
     *closed.projected_area(sigma, lambda_of_u, **ENTRY),
     closed.lambda_of_x(
         lambda_of_x,
-        "Lambda depends on x = cot(theta)/alpha alone and is (erf x - 1 + exp(-x^2)/(sqrt(pi) x))/2",
+        r"$\Lambda$ depends on $x=\cot\theta/\alpha$ alone",
         r"\Lambda = \frac{1}{2}\left(\mathrm{erf}\,x - 1 + \frac{e^{-x^2}}{\sqrt{\pi}\,x}\right)",
         **ENTRY,
     ),
     closed.shape_invariant(
-        lambda x: mp.exp(-(x**2)) / mp.pi,
-        "alpha^2 u^4 D depends on x = tan(theta)/alpha alone and is exp(-x^2)/pi",
-        r"\alpha^2 u^4 D(u) = f(x) = \frac{e^{-x^2}}{\pi}, \quad u = \frac{1}{\sqrt{1 + x^2\alpha^2}}",
+        lambda y: mp.exp(-(y**2)) / mp.pi,
+        r"$\alpha^2 u^4 D$ depends on $y=\tan\theta/\alpha$ alone",
+        r"\alpha^2 u^4 D(u) = f(y) = \frac{e^{-y^2}}{\pi}, \quad u = \frac{1}{\sqrt{1 + y^2\alpha^2}}",
         **ENTRY,
     ),
     integrals.normalization(**ENTRY),

@@ -24,8 +24,8 @@ ENTRY: dict[str, Any] = {"parameters": {"alpha": 0.6, "a": 1.6}, "source": noteb
 BEYOND: dict[str, Any] = {**ENTRY, "notebook": False}
 
 
-def f(x: Any, a: Any) -> Any:
-    return 2 * x ** (a - 1) * mp.besselk(a - 1, 2 * x) / (mp.pi * mp.gamma(a))
+def f(y: Any, a: Any) -> Any:
+    return 2 * y ** (a - 1) * mp.besselk(a - 1, 2 * y) / (mp.pi * mp.gamma(a))
 
 
 def P22(r2: Any, alpha: Any, a: Any) -> Any:
@@ -42,8 +42,14 @@ def survival(r: Any, alpha: Any, a: Any) -> Any:
     return 2 * y**a * mp.besselk(a, 2 * y) / mp.gamma(a)
 
 
-def within(r: Any, alpha: Any, a: Any) -> Any:
-    return 1 - survival(r, alpha, a)
+# A rounding of u moves the squared slope by eps/2: of little weight next to a logarithm, not next to a power.
+CAP = integrals.Cap(
+    lambda alpha, a: 1e-7 if a >= 1 else alpha / 10,
+    lambda r, alpha, a: 1 - survival(r, alpha, a),
+    r"slopes below $10^{-7}$, for $a<1$ below $\alpha/10$, which cosines in double precision do not resolve,"
+    " in closed form",
+)
+LEAST = 1e-140  # slope/alpha; below it lies a mass of 1e-14 at a = 0.05
 
 
 def lambda_of_u(u: Any, alpha: Any, a: Any) -> Any:
@@ -62,7 +68,7 @@ def _draw(rng: np.random.Generator, n: int, alpha: float, a: float) -> Array:
 
 def _gamma_mixture(k: Any, alpha: float, a: float) -> Sides:
     u = routes.cosine(routes.slopes(alpha))
-    average = routes.gamma_average(lambda m, u: routes.kernels("beckmann").D(u, alpha * np.sqrt(m)), a, u)
+    average = routes.gamma_average(lambda b, u: routes.kernels("beckmann").D(u, alpha * np.sqrt(b)), a, u)
     return k.D(u, alpha, a), average
 
 
@@ -77,6 +83,10 @@ def _chi_mixture(k: Any, alpha: float, a: float) -> Sides:
 
     top = max(np.log(1000 / a), 60 / np.sqrt(a)) / 2
     return k.D(u, alpha, a), routes.integrate_exponent(integrand, -50.0, top, u, panels=1000)
+
+
+def _out_of_reach(alpha: float, a: float) -> str:
+    return "" if a >= 0.05 else "slopes that doubles do not reach bear some of the mass"
 
 
 def _k0(k: Any, alpha: float, a: float) -> Sides:
@@ -95,15 +105,15 @@ def _lambda(k: Any, *parameters: float) -> Sides:
 CHECKS: tuple[Check, ...] = (
     Check(
         "gamma_mixture",
-        "Bessel K is Beckmann of roughness alpha sqrt(m), averaged over m with density Gamma(a, 1)",
-        r"D(u) = \int_0^\infty \frac{m^{a-1}e^{-m}}{\Gamma(a)}\,D_{\mathrm{Beckmann}}(u; \alpha\sqrt{m})\,dm",
+        r"Bessel K is Beckmann of roughness $\alpha\sqrt{b}$, averaged over $b\sim\mathrm{Gamma}(a, 1)$",
+        r"D(u) = \int_0^\infty \frac{b^{a-1}e^{-b}}{\Gamma(a)}\,D_{\mathrm{Beckmann}}(u; \alpha\sqrt{b})\,db",
         _gamma_mixture,
         QUADRATURE,
         **ENTRY,
     ),
     Check(
         "chi_mixture",
-        "Bessel K is Beckmann of roughness alpha n/sqrt(2), averaged over n with density Chi(2a)",
+        r"Bessel K is Beckmann of roughness $\alpha n/\sqrt{2}$, averaged over $n\sim\mathrm{Chi}(2a)$",
         r"D(u) = \int_0^\infty \frac{n^{2a-1}e^{-n^2/2}}{2^{a-1}\Gamma(a)}\,"
         r"D_{\mathrm{Beckmann}}\big(u; \tfrac{\alpha n}{\sqrt2}\big)\,dn",
         _chi_mixture,
@@ -112,34 +122,36 @@ CHECKS: tuple[Check, ...] = (
     ),
     closed.shape_invariant(
         f,
-        "alpha^2 u^4 D depends on x = tan(theta)/alpha alone and is 2 x^(a-1) K_{a-1}(2x)/(pi Gamma(a))",
-        r"\alpha^2 u^4 D(u) = f(x) = \frac{2 x^{a-1} K_{a-1}(2x)}{\pi\,\Gamma(a)}",
+        r"$\alpha^2 u^4 D$ depends on $y=\tan\theta/\alpha$ and on $a$ alone",
+        r"\alpha^2 u^4 D(u) = f(y) = \frac{2 y^{a-1} K_{a-1}(2y)}{\pi\,\Gamma(a)}",
         **ENTRY,
     ),
-    integrals.normalization(within, **ENTRY),
+    integrals.normalization(CAP, **ENTRY),
     closed.slopes_from_D(
         P22,
         r"P_{22}(p, q) = D(u)\,u^4 = \frac{2 r^{a-1}\alpha^{-1-a}}{\pi\,\Gamma(a)}\,"
         r"K_{a-1}\Big(\frac{2r}{\alpha}\Big), \quad r = \sqrt{p^2+q^2}",
         **ENTRY,
     ),
-    integrals.slopes_normalized(within, **ENTRY),
+    integrals.slopes_normalized(LEAST, unless=_out_of_reach, **ENTRY),
     integrals.sampling(
         _draw,
         r"u = \frac{1}{\sqrt{1 - \frac{(\alpha n)^2}{2}\ln\xi}}, \quad n \sim \mathrm{Chi}(2a)",
-        within,
+        CAP,
         **{**ENTRY, "parameters": {"alpha": 0.7, "a": 1.3}},
     ),
     Check(
         "lambda",
-        "Lambda, not printed in the notebook, is a sum of Bessel and Struve functions, and follows from P2",
+        r"$\Lambda$, not printed in the notebook, is a sum of Bessel functions $K$ and modified Struve"
+        " functions $L$, and follows from $P_2$",
         r"\Lambda = \frac{x^\nu K_{\nu+1}(2x)}{\sqrt{\pi}\,\Gamma(a)} - \frac12"
-        r" + x\,[K_\nu L_{\nu-1} + L_\nu K_{\nu-1}](2x), \quad \nu = a - \tfrac12",
+        r" + x\,[K_\nu L_{\nu-1} + L_\nu K_{\nu-1}](2x), \quad x = \frac{\cot\theta}{\alpha}, \quad"
+        r" \nu = a - \tfrac12",
         _lambda,
         QUADRATURE,
         **BEYOND,
     ),
-    integrals.sigma_delta(within, **BEYOND),
+    integrals.sigma_delta(CAP, **BEYOND),
     integrals.marginal(
         P2,
         r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq"
@@ -152,7 +164,7 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "k0",
-        "Bessel K at a = 1 is K0: D, P2, Lambda and sigma",
+        r"Bessel K at $a=1$ is K0: $D$, $P_2$, $\Lambda$ and $\sigma$",
         r"D(u; \alpha, a = 1) = D_{K_0}(u; \alpha)",
         _k0,
         CLOSED_FORM,

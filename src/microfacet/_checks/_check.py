@@ -22,6 +22,7 @@ __all__ = [
     "LIMIT",
     "QUADRATURE",
     "QUADRATURE_OVER_U",
+    "SIGNIFICANCE",
     "Check",
     "CheckItem",
     "CheckResult",
@@ -29,11 +30,13 @@ __all__ = [
     "Sides",
     "both",
     "notebook",
+    "p_value",
 ]
 
 Array = NDArray[np.float64]
 Sides = tuple[ArrayLike, ArrayLike]
 
+SIGNIFICANCE = 1e-4  # the p-value below which a histogram is rejected
 UNDERFLOW = 1e-290  # below this a result may be flushed to 0 (accuracy contract), so such points say nothing
 
 
@@ -79,21 +82,29 @@ LIMIT = Route(
 def _chi_square_bound(alpha: float, dof: Array) -> Array:
     from scipy.special import gammainccinv
 
-    return np.asarray(2 * gammainccinv(dof / 2, 1e-4) / dof - 1, dtype=np.float64)
+    return np.asarray(2 * gammainccinv(dof / 2, SIGNIFICANCE) / dof - 1, dtype=np.float64)
 
 
 HISTOGRAM = Route(
     "chi-square",
     "lhs is the statistic, rhs its degrees of freedom, which it equals on average; the residual reaches the"
-    " tolerance where the p-value is 1e-4. The seed is fixed.",
+    " tolerance where the p-value is `SIGNIFICANCE`. The seed is fixed.",
     _chi_square_bound,
 )
+
+
+def p_value(result: CheckResult) -> float:
+    """The probability of a statistic as large as that of this result, whose route is `HISTOGRAM`."""
+    from scipy.special import gammaincc
+
+    return float(gammaincc(result.rhs / 2, result.lhs / 2))
 
 
 @dataclass(frozen=True)
 class CheckItem:
     """One line of the catalogue.
 
+    `statement` is prose with formulas between dollar signs, `latex` the identity that it is about.
     `notebook` tells the statements of the five notebooks from those added to them; `parameters` are the
     values at which the check runs unless others are given (the notebook's own where it names any).
     """
@@ -139,7 +150,7 @@ class Check:
     name
         Second half of the id; the first is the family.
     statement, latex
-        The identity in words and as a formula.
+        The identity in words, with LaTeX between dollar signs, and as a displayed formula.
     sides
         ``sides(kernels, alpha, shape) -> (lhs, rhs)``, two arrays of one value per point. ``kernels`` holds
         the family's ufuncs; the left side calls them, the right side comes by `route`.

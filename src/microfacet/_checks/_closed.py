@@ -35,31 +35,34 @@ def special_case(kernels: Kernels, alpha: float, forms: Any, last: int | None = 
 
 
 def shape_invariant(form: Form, statement: str, latex: str, **entry: Any) -> Check:
-    """f(x) = alpha^2 u^4 D at x = tan(theta)/alpha; `form(x, shape)`."""
+    """f(y) = alpha^2 u^4 D at y = tan(theta)/alpha, for two roughnesses; `form(y, shape)`."""
 
-    def sides(k: Any, alpha: float, *shape: float) -> Sides:
+    def of_u(u: Any, alpha: Any, *shape: Any) -> Any:
+        return form(routes.tan2(u) ** 0.5 / alpha, *shape)
+
+    def at(k: Any, alpha: float, *shape: float) -> Sides:
         u = routes.cosine(routes.slopes(alpha))
-
-        def of_u(u: Any, alpha: Any, *shape: Any) -> Any:
-            return form(routes.tan2(u) ** 0.5 / alpha, *shape)
-
         return alpha**2 * u**4 * k.D(u, alpha, *shape), routes.exact(of_u, u, alpha, *shape)
 
-    return Check("shape_invariant", statement, latex, sides, CLOSED_FORM, **entry)
+    return Check("shape_invariant", statement, latex, _of_two(at), CLOSED_FORM, **entry)
 
 
 def lambda_of_x(form: Form, statement: str, latex: str, **entry: Any) -> Check:
-    """Lambda at alpha = u/(sqrt(1 - u^2) x) is a function of x; `form(x, shape)`."""
+    """Lambda as a function of x = cot(theta)/alpha, for two roughnesses; `form(x, shape)`."""
 
-    def sides(k: Any, alpha: float, *shape: float) -> Sides:
+    def of_u(u: Any, alpha: Any, *shape: Any) -> Any:
+        return form(1 / (alpha * routes.tan2(u) ** 0.5), *shape)
+
+    def at(k: Any, alpha: float, *shape: float) -> Sides:
         u = routes.incident_cosines(alpha)
-
-        def of_u(u: Any, alpha: Any, *shape: Any) -> Any:
-            return form(1 / (alpha * routes.tan2(u) ** 0.5), *shape)
-
         return k.Lambda(u, alpha, *shape), routes.exact(of_u, u, alpha, *shape)
 
-    return Check("lambda_of_x", statement, latex, sides, CLOSED_FORM, **entry)
+    return Check("lambda_of_x", statement, latex, _of_two(at), CLOSED_FORM, **entry)
+
+
+def _of_two(at: Callable[..., Sides]) -> Callable[..., Sides]:
+    """`at` for alpha and alpha/3: one roughness alone cannot show that a function does not depend on it."""
+    return lambda k, alpha, *shape: both(*(at(k, each, *shape) for each in (alpha, alpha / 3)))
 
 
 def projected_area(sigma_form: Form, lambda_form: Form, **entry: Any) -> tuple[Check, Check]:
@@ -85,7 +88,7 @@ def projected_area(sigma_form: Form, lambda_form: Form, **entry: Any) -> tuple[C
     return (
         Check(
             "sigma_upper",
-            "The projected area above the horizon is u (1 + Lambda(u))",
+            r"The projected area above the horizon is $u\,(1+\Lambda(u))$",
             r"\sigma(u) = u\,(1 + \Lambda(u)), \quad 0 < u < 1",
             upper,
             CLOSED_FORM,
@@ -93,7 +96,7 @@ def projected_area(sigma_form: Form, lambda_form: Form, **entry: Any) -> tuple[C
         ),
         Check(
             "sigma_lower",
-            "The projected area below the horizon is u Lambda(u)",
+            r"The projected area below the horizon is $u\,\Lambda(u)$",
             r"\sigma(-u) = u\,\Lambda(u), \quad 0 < u < 1",
             lower,
             CLOSED_FORM,
@@ -121,7 +124,7 @@ def slopes_from_D(form: Form, latex: str, **entry: Any) -> Check:
 
     return Check(
         name,
-        "The joint density of slopes follows from D, with u = 1/sqrt(1 + p^2 + q^2)",
+        r"The joint density of slopes follows from $D$ at $u=1/\sqrt{1+p^2+q^2}$",
         latex,
         sides,
         CLOSED_FORM,

@@ -50,14 +50,14 @@ CHECKS: tuple[Check, ...] = (
     *closed.projected_area(sigma, lambda_of_u, **ENTRY),
     closed.lambda_of_x(
         lambda_of_x,
-        "Lambda depends on x = cot(theta)/alpha alone and is (sqrt(1 + 1/x^2) - 1)/2",
+        r"$\Lambda$ depends on $x=\cot\theta/\alpha$ alone",
         r"\Lambda = \frac{1}{2}\left(\sqrt{1 + \frac{1}{x^2}} - 1\right)",
         **ENTRY,
     ),
     closed.shape_invariant(
-        lambda x: 1 / (mp.pi * (1 + x**2) ** 2),
-        "alpha^2 u^4 D depends on x = tan(theta)/alpha alone and is 1/(pi (1 + x^2)^2)",
-        r"\alpha^2 u^4 D(u) = f(x) = \frac{1}{\pi (1 + x^2)^2}",
+        lambda y: 1 / (mp.pi * (1 + y**2) ** 2),
+        r"$\alpha^2 u^4 D$ depends on $y=\tan\theta/\alpha$ alone",
+        r"\alpha^2 u^4 D(u) = f(y) = \frac{1}{\pi (1 + y^2)^2}",
         **ENTRY,
     ),
     integrals.normalization(**ENTRY),

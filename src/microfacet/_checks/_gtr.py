@@ -184,7 +184,7 @@ def _mixture_range(alpha: float, gamma: float) -> str:
 CHECKS: tuple[Check, ...] = (
     Check(
         "gamma_1",
-        "At gamma = 1 the general form of D has a limit with a logarithm",
+        r"At $\gamma=1$ the general form of $D$ has a limit with a logarithm",
         r"D(u; \alpha, 1) = \frac{\alpha^2-1}{2\pi\,(1+u^2(\alpha^2-1))\,\ln\alpha}",
         _special_D(D_1),
         CLOSED_FORM,
@@ -192,7 +192,7 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "gamma_3_2",
-        "At gamma = 3/2 D has the form of the Henyey-Greenstein phase function",
+        r"At $\gamma=3/2$ the form of $D$ is that of the Henyey–Greenstein phase function",
         r"D(u; \alpha, \tfrac32) = \frac{\alpha(1+\alpha)}{2\pi\,(1+u^2(\alpha^2-1))^{3/2}}",
         _special_D(D_3_2),
         CLOSED_FORM,
@@ -221,8 +221,8 @@ CHECKS: tuple[Check, ...] = (
     integrals.slopes_normalized(**ENTRY),
     integrals.marginal(
         as_limit(P2),
-        r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq = D(0)\,\frac{\pi}{2}\,(p^2+\alpha^2)^{-3/2}\,"
-        r"{}_2F_1\Big(\tfrac32, 2-\gamma; 2; \tfrac{\alpha^2-1}{p^2+\alpha^2}\Big)",
+        r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq = D(0)\,\frac{\pi}{2}\,A^{-3/2}\,"
+        r"{}_2F_1\Big(\tfrac32, 2-\gamma; 2; \tfrac{\alpha^2-1}{A}\Big), \quad A = p^2+\alpha^2",
         **ENTRY,
     ),
     integrals.marginal(
@@ -234,14 +234,14 @@ CHECKS: tuple[Check, ...] = (
     ),
     integrals.marginal(
         as_limit(P2_3_2),
-        r"P_2(p) = \frac{\alpha\,(K(m)-E(m))}{\pi(\alpha-1)\sqrt{p^2+\alpha^2}},"
-        r"\quad m = \frac{\alpha^2-1}{p^2+\alpha^2}, \quad \gamma = \tfrac32",
+        r"P_2(p) = \frac{\alpha\,(K(\kappa)-E(\kappa))}{\pi(\alpha-1)\sqrt{p^2+\alpha^2}},"
+        r"\quad \kappa = \frac{\alpha^2-1}{p^2+\alpha^2}, \quad \gamma = \tfrac32",
         name="marginal_gamma_3_2",
         **AT_3_2,
     ),
     Check(
         "lambda_gamma_1",
-        "Lambda at gamma = 1 is the printed form, and follows from the density of one slope",
+        r"$\Lambda$ at $\gamma=1$ is the printed form, and follows from the density of one slope",
         r"\Lambda(u) = \frac{-1 + uQ + u\ln(1+\frac1u) - u\ln(1+Q)}{2u\ln\alpha},"
         r"\quad Q = \sqrt{1+(u^{-2}-1)\alpha^2}",
         _lambda_1,
@@ -250,9 +250,10 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "sigma_gamma_1",
-        "sigma at gamma = 1 is the printed form on both sides of the horizon, and follows from P2",
-        r"\sigma(u) = \frac{-1 + R + u\,\mathrm{arsinh}\frac{u}{s} + 2u\ln\alpha - u\ln\frac{u+R}{s}}"
-        r"{2\ln\alpha}, \quad s = \sqrt{1-u^2}, \quad R = \sqrt{u^2+\alpha^2 s^2}",
+        r"$\sigma$ at $\gamma=1$ is the printed form on both sides of the horizon, and follows from $P_2$",
+        r"\sigma(u) = u + \frac{R - 1 + u\,V}{2\ln\alpha},"
+        r" \quad V = \mathrm{arsinh}\frac{u}{s} - \ln\frac{u+R}{s},"
+        r" \quad s = \sqrt{1-u^2}, \quad R = \sqrt{u^2+\alpha^2 s^2}",
         _sigma_1,
         QUADRATURE,
         **AT_1,
@@ -273,10 +274,10 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "ggx_mixture",
-        "For 0 < gamma < 2 GTR is a mixture of GGX of roughness sqrt(w alpha^2 + 1 - w), w by a Beta density",
-        r"P_{22}(r) = \int_0^1 \frac{\pi D(0)\,w^{\gamma-1}(1-w)^{1-\gamma}}"
-        r"{\Gamma(\gamma)\,\Gamma(2-\gamma)\,\alpha_g^2}\,"
-        r"P_{22}^{\mathrm{GGX}}(r; \alpha_g)\,dw, \quad \alpha_g^2 = w\alpha^2 + 1 - w",
+        r"For $0<\gamma<2$ GTR is a mixture of GGX, of roughnesses $\alpha_b$ between $\alpha$ and 1",
+        r"P_{22}(r) = \int_0^1 \frac{\pi D(0)\,b^{\gamma-1}(1-b)^{1-\gamma}}"
+        r"{\Gamma(\gamma)\,\Gamma(2-\gamma)\,\alpha_b^2}\,"
+        r"P_{22}^{\mathrm{GGX}}(r; \alpha_b)\,db, \quad \alpha_b^2 = b\alpha^2 + 1 - b",
         _ggx_mixture,
         QUADRATURE,
         unless=_mixture_range,
@@ -284,7 +285,7 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "ggx",
-        "GTR at gamma = 2 is GGX: D, P2, Lambda and sigma",
+        r"GTR at $\gamma=2$ is GGX: $D$, $P_2$, $\Lambda$ and $\sigma$",
         r"D(u; \alpha, \gamma = 2) = D_{\mathrm{GGX}}(u; \alpha)",
         _ggx,
         CLOSED_FORM,

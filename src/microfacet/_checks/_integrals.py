@@ -1,14 +1,13 @@
 """Statements with an integral or a histogram that hold for every family, as factories of table entries.
 
-As in ``_closed``. `within`, where a factory takes it, is the closed mass of the slopes below r: for a density
-that is infinite at the normal, near which rounded cosines are too coarse to integrate it.
+As in ``_closed``. `cap`, where a factory takes one, is for a density that is infinite at the normal.
 """
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,16 +20,28 @@ DRAWS = 200_000
 BINS = 64
 
 
-def normalization(within: Form | None = None, **entry: Any) -> Check:
+class Cap(NamedTuple):
+    """The normals next to an infinite density, which integrals over u take in closed form.
+
+    Their cosines are doubles, which near 1 are too coarse for quadrature. ``slope(parameters)`` is where they
+    end, ``mass(slope, parameters)`` the printed probability of a lesser slope, `words` say so in a statement.
+    """
+
+    slope: Callable[..., float]
+    mass: Form
+    words: str
+
+
+def normalization(cap: Cap | None = None, **entry: Any) -> Check:
     """Height-field normalisation."""
 
     def sides(k: Any, *parameters: float) -> Sides:
-        inner, mass = _cap(within, parameters[0] / 10, *parameters)
-        return [routes.mass_over_u(k, inner, routes.FAR, *parameters)], [1 - mass]
+        inner, mass = _inner(cap, *parameters)
+        return [mass + routes.mass_over_u(k, inner, routes.FAR, *parameters)], [1.0]
 
     return Check(
         "normalization",
-        "The areas of the microfacets, projected on the macrosurface, add up to its area",
+        _said("The areas of the microfacets, projected on the macrosurface, add up to its area", cap),
         r"\int_0^1 2 \pi u\, D(u)\, du = 1",
         sides,
         QUADRATURE_OVER_U,
@@ -38,19 +49,18 @@ def normalization(within: Form | None = None, **entry: Any) -> Check:
     )
 
 
-def slopes_normalized(within: Form | None = None, **entry: Any) -> Check:
-    """The double integral of P22, in polar coordinates over eight azimuths."""
+def slopes_normalized(near: float = routes.NEAR, **entry: Any) -> Check:
+    """The double integral of P22, in polar coordinates over eight azimuths, from `near` alpha on."""
 
     def sides(k: Any, *parameters: float) -> Sides:
-        inner, mass = _cap(within, _near(*parameters), *parameters)
         azimuth = np.pi / 4 * (np.arange(8) + 0.3)
         per_azimuth = routes.integrate(
             lambda r, phi: k.P22(r * np.cos(phi), r * np.sin(phi), *parameters) * r,
-            inner,
+            near * parameters[0],
             routes.FAR,
             azimuth,
         )
-        return [np.pi / 4 * np.sum(per_azimuth)], [1 - mass]
+        return [np.pi / 4 * np.sum(per_azimuth)], [1.0]
 
     return Check(
         "slopes_normalized",
@@ -97,7 +107,7 @@ def lambda_from_marginal(**entry: Any) -> Check:
 
     return Check(
         name,
-        "Lambda follows from the density of one slope",
+        r"$\Lambda$ follows from the density of one slope",
         r"\Lambda(u) = \frac{1}{\mu}\int_\mu^\infty (q - \mu)\, P_2(q)\, dq, \quad \mu = \cot\theta",
         sides,
         QUADRATURE,
@@ -105,7 +115,7 @@ def lambda_from_marginal(**entry: Any) -> Check:
     )
 
 
-def sigma_delta(within: Form | None = None, **entry: Any) -> Check:
+def sigma_delta(cap: Cap | None = None, **entry: Any) -> Check:
     """sigma as the delta integral over D, both sides of the horizon."""
     name = entry.pop("name", "sigma_delta")
 
@@ -113,28 +123,31 @@ def sigma_delta(within: Form | None = None, **entry: Any) -> Check:
         mu = parameters[0] * np.array([-2.0, -1.0, -0.5, 0.5, 1.0, 2.0])
         u = np.concatenate([mu / np.hypot(1.0, mu), [-0.6, 0.6]])
         # The slopes within the cap are below all |cot(theta)|, so they show their projected area or none.
-        inner, mass = _cap(within, parameters[0] / 10, *parameters)
+        inner, mass = _inner(cap, *parameters)
         rhs = np.maximum(u, 0.0) * mass + routes.delta_integral(k, u, inner, *parameters)
         return k.sigma(u, *parameters), rhs
 
     return Check(
         name,
-        "The projected area is a superposition of those of distributions of a single slope, u in [-1, 1]",
-        r"\sigma(u) = \int_0^1 D(u_i)\,\mathrm{Re}\left[2\sqrt{1-u^2-u_i^2}"
-        r" + 2 u u_i \arccos\frac{-u u_i}{\sqrt{1-u^2}\sqrt{1-u_i^2}}\right] du_i",
+        _said(
+            "The projected area, on the whole sphere, is the sum of those of rings of normals of one slope",
+            cap,
+        ),
+        r"\sigma(u) = \int_0^1 2 D(u_i)\,\mathrm{Re}\left[h + u u_i \arccos\frac{-u u_i}{s s_i}\right] du_i,"
+        r"\quad h = \sqrt{1-u^2-u_i^2}, \quad s = \sqrt{1-u^2}, \quad s_i = \sqrt{1-u_i^2}",
         sides,
         QUADRATURE_OVER_U,
         **where_cosines_resolve(entry),
     )
 
 
-def sampling(draw: Form, latex: str, within: Form | None = None, **entry: Any) -> Check:
+def sampling(draw: Form, latex: str, cap: Cap | None = None, **entry: Any) -> Check:
     """Histogram of u over 2 pi u D(u); `draw(rng, n, parameters)` is the printed sampling formula."""
 
     def sides(k: Any, *parameters: float) -> Sides:
         rng = np.random.default_rng(zlib.crc32(latex.encode()))
         # A chi-square of these many draws bears errors of 1e-4 in D, so here the cap may be small.
-        inner, mass_of_cap = _cap(within, 1e-6, *parameters)
+        inner, mass_of_cap = _inner(cap and cap._replace(slope=lambda *_: 1e-6), *parameters)
         edges = np.unique(k.sample_u(np.arange(1, BINS) / BINS, *parameters))
         edges = edges[edges < routes.cosine(inner)]
         cuts = routes.slope_of(edges)
@@ -146,12 +159,11 @@ def sampling(draw: Form, latex: str, within: Form | None = None, **entry: Any) -
         for u in (draw(rng, DRAWS, *parameters), k.sample_u(rng.random(DRAWS // 10), *parameters)):
             counts = np.bincount(np.searchsorted(edges, u), minlength=mass.size)
             statistics.append(routes.chi_square(counts, u.size * mass))
-        lhs, rhs = zip(*statistics, strict=True)
-        return lhs, rhs
+        return max(statistics)
 
     return Check(
         "sampling",
-        "Normals drawn by the printed formula, and by sample_u, have the density 2 pi u D(u)",
+        r"Normals drawn by the printed formula, and by the library, have the density $2\pi u\,D(u)$",
         latex,
         sides,
         HISTOGRAM,
@@ -174,7 +186,7 @@ def survival(form: Form, latex: str, **entry: Any) -> Check:
 
     return Check(
         "survival",
-        "The mass of the slopes steeper than r; sample_slope, its inverse, leaves a mass of 1 - xi",
+        r"The mass of the slopes steeper than $r$; the library's inverse leaves a mass of $1-\xi$ beyond",
         latex,
         sides,
         QUADRATURE,
@@ -192,12 +204,13 @@ def where_cosines_resolve(entry: dict[str, Any]) -> dict[str, Any]:
     return {**entry, "unless": unless}
 
 
-def _near(alpha: float, *shape: float) -> float:
-    return routes.NEAR * alpha
-
-
-def _cap(within: Form | None, slope: float, *parameters: float) -> tuple[float, float]:
+def _inner(cap: Cap | None, *parameters: float) -> tuple[float, float]:
     """Lower end of an integral over the slope, and the mass below it."""
-    if within is None:
-        return _near(*parameters), 0.0
-    return slope, float(routes.exact(within, [slope], *parameters)[0])
+    if cap is None:
+        return routes.NEAR * parameters[0], 0.0
+    slope = cap.slope(*parameters)
+    return slope, float(routes.exact(cap.mass, [slope], *parameters)[0])
+
+
+def _said(statement: str, cap: Cap | None) -> str:
+    return statement if cap is None else f"{statement}; {cap.words}"

@@ -28,10 +28,8 @@ def lambda_of_u(u: Any, alpha: Any) -> Any:
 
 def sigma(u: Any, alpha: Any) -> Any:
     """Both branches."""
-    if u > 0:
-        return u * (1 + lambda_of_u(u, alpha))
     scale = alpha * mp.sqrt((1 - u) * (1 + u))
-    return scale / 4 * mp.exp(2 * u / scale)
+    return max(u, 0) + scale / 4 * mp.exp(-2 * abs(u) / scale)
 
 
 def P22(r2: Any, alpha: Any) -> Any:
@@ -46,8 +44,11 @@ def survival(r: Any, alpha: Any) -> Any:
     return 2 * r / alpha * mp.besselk(1, 2 * r / alpha)
 
 
-def within(r: Any, alpha: Any) -> Any:
-    return 1 - survival(r, alpha)
+CAP = integrals.Cap(
+    lambda alpha: 1e-7,
+    lambda r, alpha: 1 - survival(r, alpha),
+    "slopes below $10^{-7}$, which cosines in double precision do not resolve, in closed form",
+)
 
 
 def _draw(rng: np.random.Generator, n: int, alpha: float) -> Array:
@@ -58,7 +59,7 @@ def _draw(rng: np.random.Generator, n: int, alpha: float) -> Array:
 def _beckmann_mixture(k: Any, alpha: float) -> Sides:
     u = routes.cosine(routes.slopes(alpha))
     return k.D(u, alpha), routes.gamma_average(
-        lambda m, u: routes.kernels("beckmann").D(u, alpha * np.sqrt(m)), 1.0, u
+        lambda b, u: routes.kernels("beckmann").D(u, alpha * np.sqrt(b)), 1.0, u
     )
 
 
@@ -80,45 +81,46 @@ CHECKS: tuple[Check, ...] = (
     *closed.projected_area(sigma, lambda_of_u, **ENTRY),
     closed.lambda_of_x(
         lambda_of_x,
-        "Lambda depends on x = cot(theta)/alpha alone and is exp(-2x)/(4x)",
+        r"$\Lambda$ depends on $x=\cot\theta/\alpha$ alone",
         r"\Lambda = \frac{e^{-2x}}{4x}",
         **ENTRY,
     ),
     Check(
         "beckmann_mixture",
-        "K0 is Beckmann of roughness alpha sqrt(m), averaged over m with density exp(-m)",
-        r"D(u) = \int_0^\infty e^{-m}\,D_{\mathrm{Beckmann}}(u; \alpha\sqrt{m})\,dm",
+        r"K0 is Beckmann of roughness $\alpha\sqrt{b}$, averaged over $b$ with density $e^{-b}$",
+        r"D(u) = \int_0^\infty e^{-b}\,D_{\mathrm{Beckmann}}(u; \alpha\sqrt{b})\,db",
         _beckmann_mixture,
         QUADRATURE,
         **ENTRY,
     ),
     Check(
         "singular_at_normal",
-        "D grows like -log(tan(theta)/alpha) towards the normal, where Beckmann's ends at 1/(pi alpha^2)",
-        r"\frac{\pi\alpha^2}{2}\,u^4 D(u) = -\ln\frac{\tan\theta}{\alpha} - \gamma_E + o(1) \to \infty,"
+        r"$D$ grows like $-\ln y$, $y=\tan\theta/\alpha$, towards the normal, where Beckmann's ends at"
+        r" $1/(\pi\alpha^2)$",
+        r"\frac{\pi\alpha^2}{2}\,u^4 D(u) = -\ln y - \gamma_E + o(1) \to \infty,"
         r"\quad \pi\alpha^2 D_{\mathrm{Beckmann}}(1) = 1",
         _singular,
         CLOSED_FORM,
         **integrals.where_cosines_resolve({**ENTRY, "parameters": {"alpha": 0.5}}),
     ),
     closed.shape_invariant(
-        lambda x: 2 * mp.besselk(0, 2 * x) / mp.pi,
-        "alpha^2 u^4 D depends on x = tan(theta)/alpha alone and is 2 K_0(2x)/pi",
-        r"\alpha^2 u^4 D(u) = f(x) = \frac{2 K_0(2x)}{\pi}",
+        lambda y: 2 * mp.besselk(0, 2 * y) / mp.pi,
+        r"$\alpha^2 u^4 D$ depends on $y=\tan\theta/\alpha$ alone",
+        r"\alpha^2 u^4 D(u) = f(y) = \frac{2 K_0(2y)}{\pi}",
         **ENTRY,
     ),
-    integrals.normalization(within, **{**ENTRY, "parameters": {"alpha": 0.6}}),
+    integrals.normalization(CAP, **{**ENTRY, "parameters": {"alpha": 0.6}}),
     closed.slopes_from_D(
         P22,
         r"P_{22}(p, q) = D(u)\,u^4 = \frac{2}{\pi\alpha^2} K_0\Big(\frac{2\sqrt{p^2+q^2}}{\alpha}\Big)",
         **ENTRY,
     ),
-    integrals.slopes_normalized(within, **ENTRY),
-    integrals.sigma_delta(within, **ENTRY),
+    integrals.slopes_normalized(**ENTRY),
+    integrals.sigma_delta(CAP, **ENTRY),
     integrals.sampling(
         _draw,
         r"u = \frac{1}{\sqrt{1 + \alpha^2 \ln\xi_1 \ln\xi_2}}",
-        within,
+        CAP,
         **{**ENTRY, "parameters": {"alpha": 1.7}},
     ),
     integrals.marginal(

@@ -114,21 +114,22 @@ CHECKS: tuple[Check, ...] = (
     *closed.projected_area(sigma, lambda_of_u, symbolic=symbolic.student_t_projected_area, **EXACT),
     closed.lambda_of_x(
         lambda_of_x,
-        "Lambda depends on x = cot(theta)/alpha alone",
-        r"\Lambda = \frac{(\gamma-1)^\gamma\,\Gamma(\gamma-\frac32)}{4\sqrt{\pi}\,x}\left("
-        r"\frac{2(x^2+\gamma-1)^{3/2-\gamma}}{\Gamma(\gamma)} - \frac{x^{3-2\gamma}(2\gamma-3)}{\gamma-1}\,"
-        r"{}_2\tilde{F}_1\big(\gamma-1, \gamma-\tfrac12; \gamma; \tfrac{1-\gamma}{x^2}\big)\right)",
+        r"$\Lambda$ depends on $x=\cot\theta/\alpha$ and on $\gamma$ alone",
+        r"\Lambda = \frac{k^\gamma\,\Gamma(\gamma-\frac32)}{4\sqrt{\pi}\,\Gamma(\gamma)\,x}\left("
+        r"2(x^2+k)^{3/2-\gamma} - \frac{2\gamma-3}{k\,x^{2\gamma-3}}\,"
+        r"{}_2F_1\big(k, \gamma-\tfrac12; \gamma; \tfrac{-k}{x^2}\big)\right), \quad k = \gamma - 1",
         **ENTRY,
     ),
     closed.shape_invariant(
-        lambda x, gamma: ((gamma - 1) / (gamma - 1 + x**2)) ** gamma / mp.pi,
-        "alpha^2 u^4 D depends on x = tan(theta)/alpha alone and is ((gamma-1)/(gamma-1+x^2))^gamma/pi",
-        r"\alpha^2 u^4 D(u) = f(x) = \frac{1}{\pi}\left(\frac{\gamma-1}{\gamma-1+x^2}\right)^{\gamma}",
+        lambda y, gamma: ((gamma - 1) / (gamma - 1 + y**2)) ** gamma / mp.pi,
+        r"$\alpha^2 u^4 D$ depends on $y=\tan\theta/\alpha$ and on $\gamma$ alone",
+        r"\alpha^2 u^4 D(u) = f(y) = \frac{1}{\pi}\left(\frac{\gamma-1}{\gamma-1+y^2}\right)^{\gamma}",
         **ENTRY,
     ),
     Check(
         "beckmann_mixture",
-        "Student-T is Beckmann of roughness alpha sqrt((gamma-1)/b), averaged over b ~ Gamma(gamma-1, 1)",
+        r"Student-T is Beckmann of roughness $\alpha\sqrt{(\gamma-1)/b}$, averaged over"
+        r" $b\sim\mathrm{Gamma}(\gamma-1, 1)$",
         r"D(u) = \int_0^\infty \frac{b^{\gamma-2}e^{-b}}{\Gamma(\gamma-1)}\,"
         r"D_{\mathrm{Beckmann}}\big(u; \alpha\sqrt{(\gamma-1)/b}\big)\,db",
         _beckmann_mixture,
@@ -162,7 +163,7 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "ggx",
-        "Student-T at gamma = 2 is GGX: D, P2, Lambda and sigma",
+        r"Student-T at $\gamma=2$ is GGX: $D$, $P_2$, $\Lambda$ and $\sigma$",
         r"D(u; \alpha, \gamma = 2) = D_{\mathrm{GGX}}(u; \alpha)",
         _ggx,
         CLOSED_FORM,
@@ -173,7 +174,8 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "beckmann_limit",
-        "Student-T tends to Beckmann as gamma grows: D, P2, Lambda and sigma, extrapolated in 1/(gamma - 1)",
+        r"Student-T tends to Beckmann as $\gamma$ grows: $D$, $P_2$, $\Lambda$ and $\sigma$, extrapolated in"
+        r" $1/(\gamma-1)$",
         r"\lim_{\gamma\to\infty} D(u; \alpha, \gamma) = D_{\mathrm{Beckmann}}(u; \alpha)",
         _beckmann_limit,
         LIMIT,

@@ -25,6 +25,16 @@ class CheckGroup:
     rows: tuple[tuple[_checks.CheckItem, _checks.CheckResult], ...]
 
     @property
+    def equations(self) -> tuple[tuple[_checks.CheckItem, _checks.CheckResult], ...]:
+        """Those that compare two sides."""
+        return tuple(row for row in self.rows if row[0].route != _checks.HISTOGRAM.name)
+
+    @property
+    def histograms(self) -> tuple[tuple[_checks.CheckItem, _checks.CheckResult], ...]:
+        """Those that compare a histogram with its density."""
+        return tuple(row for row in self.rows if row[0].route == _checks.HISTOGRAM.name)
+
+    @property
     def passed(self) -> int:
         """How many hold."""
         return sum(result.passed for _, result in self.rows)

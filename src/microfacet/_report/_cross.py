@@ -125,7 +125,7 @@ def _gtr_through_its_special_exponents(alpha: float) -> FigureBlock:
             panel("gl-d", "GTR density for five exponents, and GGX", densities, "upper right"),
             panel("gl-c", "Relative change of Lambda beside gamma 1, 3/2 and 2", continuity, "upper left"),
         ),
-        f"GTR through its special exponents ($\\alpha={alpha:g}$); with $\\gamma=2$ it is GGX. On the right, "
-        "how much $\\Lambda(0.3)$ changes a step $\\delta$ away from $\\gamma_0$: straight lines of slope "
+        f"GTR through its special exponents ($\\alpha={alpha:g}$); with $\\gamma=2$ it is GGX. How much "
+        "$\\Lambda(0.3)$ changes a step $\\delta$ away from $\\gamma_0$ are straight lines of slope "
         "one down to the rounding error (dotted), so nothing is lost where the general formula reads $0/0$.",
     )

@@ -15,7 +15,7 @@ import microfacet as mf
 from microfacet import plot
 from microfacet._report._figures import SERIES, FigureBlock, panel
 from microfacet._report._parameters import Example
-from microfacet._report._svg import inline_svg
+from microfacet._report._svg import inline_svg, name_panel
 
 __all__ = ["furnace_picture", "material_figures", "shares_of_orders", "single_albedo"]
 
@@ -64,6 +64,7 @@ def _lobes(family: Any, ndf: Any) -> FigureBlock:
         ax.set(thetamin=-90.0, thetamax=90.0, ylim=(0.0, decades + 0.1), rticks=ticks)
         ax.set_yticklabels([f"{_FLOOR * 10.0**tick:g}" for tick in ticks])
         figure.legend(loc="lower center", ncols=len(INCIDENCES), bbox_to_anchor=(0.5, 0.0))
+        name_panel(figure, words)
         return inline_svg(
             figure, name, f"{family.title}: lobes of a white metal, {words}, from four directions"
         )
@@ -75,9 +76,9 @@ def _lobes(family: Any, ndf: Any) -> FigureBlock:
             polar(f"{family.name}-lm", drawn[1], "all orders"),
         ),
         "Lobes $f|\\cos\\theta_o|$ of a metal that absorbs nothing, in the plane of incidence on a "
-        f"logarithmic scale from {_FLOOR:g} per steradian, lit at four angles from the left "
-        f"({plot.label(ndf.parameters)}). On the left one order of scattering in closed form, on the right "
-        f"all orders by {_LOBE_WALKS} walks for each direction.",
+        f"logarithmic scale from {_FLOOR:g} per steradian, lit at four angles on the negative side "
+        f"({plot.label(ndf.parameters)}): one order of scattering in closed form, and all orders by "
+        f"{_LOBE_WALKS} walks for each direction.",
     )
 
 
@@ -123,10 +124,10 @@ def _albedo(family: Any, example: Example) -> FigureBlock:
             ),
             panel(f"{name}-ao", f"{title}: share of light by the facets it met", orders, "center left"),
         ),
-        "On the left what one order of scattering sends out of a metal that absorbs nothing; the rest, up to "
-        f"{100.0 * lost:.0f} % here, meets further facets and belongs to higher orders. On the right, of "
-        "light from 60°, the share that met one facet, two, three, and more, against roughness: all orders "
-        "together are all of the light.",
+        "Against the angle, the albedo: what one order of scattering sends out of a metal that absorbs "
+        f"nothing; the rest, up to {100.0 * lost:.0f} % here, meets further facets and belongs to higher "
+        "orders. Against roughness, of light from 60°, the share that met one facet, two, three, and more: "
+        "all orders together are all of the light.",
     )
 
 
@@ -166,15 +167,16 @@ def _furnace(family: Any, example: Example) -> FigureBlock:
         ax = figure.add_axes((0.2, 0.02, 0.6, 0.96))
         ax.imshow(np.nan_to_num(picture, nan=1.0), cmap="gray", vmin=0.0, vmax=1.25, interpolation="nearest")
         ax.set_axis_off()
+        name_panel(figure, words)
         described = f"{family.title}: a sphere of white metal in constant light, {words}"
         return inline_svg(figure, name, described), float(np.nanmean(picture))
 
-    one, dark = image(f"{family.name}-f1", "single", "one order of scattering")
+    one, dark = image(f"{family.name}-f1", "single", "one order")
     every, white = image(f"{family.name}-fm", "multiple", "all orders")
     return FigureBlock(
         f"{family.name}-furnace",
         (one, every),
         f"A white furnace: a sphere of a metal that absorbs nothing ({plot.label(rough.parameters)}) under "
-        f"light of 1 from everywhere. With one order of scattering its mean is {dark:.3f}; with all orders, "
-        f"on the right, it is {white:.3f}, and only the noise of {_SAMPLES} samples per pixel is left.",
+        f"light of 1 from everywhere. With one order of scattering its mean is {dark:.3f}; with all orders "
+        f"it is {white:.3f}, and only the noise of {_SAMPLES} samples per pixel remains.",
     )

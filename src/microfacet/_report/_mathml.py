@@ -32,7 +32,7 @@ def inline(latex: str) -> str:
 
 def display_pieces(latex: str) -> list[str]:
     """A displayed formula as one `math` element for each statement, so that narrow screens can stack them."""
-    *pieces, last = latex.split(r",\quad ")
+    *pieces, last = re.split(r",\s*\\quad\s*", latex)
     return [display(piece + ",") for piece in pieces] + [display(last)]
 
 

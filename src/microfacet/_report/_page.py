@@ -13,6 +13,7 @@ import numpy as np
 from markupsafe import Markup, escape
 
 import microfacet
+from microfacet import _checks
 from microfacet._report import _formulas, _mathml
 from microfacet._report._content import Content
 from microfacet._report._sources import SOURCES
@@ -35,6 +36,7 @@ def render(content: Content, seconds: float) -> str:
         content=content,
         common=_formulas.load().common,
         sources=SOURCES,
+        significance=_checks.SIGNIFICANCE,
         python=platform.python_version(),
         numpy=np.__version__,
         seconds=seconds,
@@ -55,6 +57,7 @@ def set_page(template: str, **content: Any) -> str:
         "display": lambda latex: Markup("".join(_mathml.display_pieces(latex))),
         "inline": lambda latex: Markup(_mathml.inline(latex)),
         "number": number,
+        "p_value": _checks.p_value,
         "measured": measured,
         "symbol": lambda name: Markup(f"<i>{_SYMBOLS.get(name, name)}</i>"),
         "interval": _interval,

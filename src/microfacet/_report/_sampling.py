@@ -16,7 +16,7 @@ import microfacet as mf
 from microfacet import plot
 from microfacet._report._figures import REFERENCE, SERIES, FigureBlock, panel
 from microfacet._report._parameters import Example
-from microfacet._report._svg import inline_svg
+from microfacet._report._svg import inline_svg, name_panel
 
 __all__ = ["ROUGHNESSES", "conductor_noise", "sampling_figures", "visible_slope_density"]
 
@@ -83,7 +83,7 @@ def _slopes(family: Any, ndf: Any) -> FigureBlock:
         ),
         f"Slopes of {_count(_SLOPES)} sampled normals seen from three directions, by their angle from the "
         f"macronormal ({plot.label(ndf.parameters)}), under the density they must follow, "
-        "$(c-sp)^+P_2(p)/\\sigma$. Facets that lean towards the viewer have $p<0$; from below the horizon "
+        "$(u-sp)^+P_2(p)/\\sigma(u)$. Facets that lean towards the viewer have $p<0$; from below the horizon "
         "(95°) no others are seen.",
     )
 
@@ -120,7 +120,8 @@ def _picture(family: Any, ndf: Any) -> FigureBlock:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         ax.plot(np.cos(turn), np.sin(turn), color=REFERENCE["color"], linewidth=0.8)
         ax.grid(visible=False)
-        ax.set(xticks=[], yticks=[], aspect="equal", xlim=(-1.02, 1.02), ylim=(-1.02, 1.02))
+        ax.set(xticks=[], yticks=[], aspect="equal", xlim=(-1.02, 1.02), ylim=(-1.02, 1.02), xlabel="$x$")
+        name_panel(figure, words)
         ax.spines[:].set_visible(False)
         bar = figure.add_axes((0.83, 0.17, 0.035, 0.7))
         figure.colorbar(drawn, cax=bar).set_label("per steradian")
@@ -132,9 +133,9 @@ def _picture(family: Any, ndf: Any) -> FigureBlock:
             image(f"{family.name}-vh", np.where(inside, counts / (_NORMALS * area), np.nan), "histogram"),
             image(f"{family.name}-vd", exact, "exact density"),
         ),
-        f"The hemisphere of normals from above, in equal areas, seen from the right at {GRAZING:g}° "
-        f"({plot.label(ndf.parameters)}). On the left {_count(_NORMALS)} sampled normals, "
-        "counted in cells; on the right the exact density of visible normals, on the same logarithmic scale.",
+        f"The hemisphere of normals from above, in equal areas, seen from $+x$ at {GRAZING:g}° "
+        f"({plot.label(ndf.parameters)}): the histogram of {_count(_NORMALS)} sampled normals, counted in "
+        "cells, and the exact density of visible normals, on the same logarithmic scale.",
     )
 
 
@@ -193,8 +194,8 @@ def _noise(family: Any, ndf: Any) -> FigureBlock:
             panel(f"{name}-nr", f"{title}: variance of all normals over visible ones", ratio),
         ),
         "The noise of a metal (single scattering, white sky) by visible normals, where a sample weighs "
-        "$F\\,G_2/G_1\\le 1$ (solid), and by all normals (dashed). On the right the ratio of the variances: "
-        f"how many times as many samples all normals take. At {GRAZING:g}° it is {last}.",
+        "$F\\,G_2/G_1\\le 1$ (solid), and by all normals (dashed). The ratio of the variances says "
+        f"how many times as many samples all normals take; at {GRAZING:g}° it is {last}.",
     )
 
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from microfacet.plot import COLORS
 
-__all__ = ["GRID", "INK", "inline_svg", "style"]
+__all__ = ["GRID", "INK", "inline_svg", "name_panel", "style"]
 
 # Drawn in colours that occur nowhere else, then replaced: text and axes follow the page, curves follow
 # custom properties of the style sheet that have a value for light and one for dark.
@@ -65,6 +65,11 @@ def style() -> Iterator[None]:
         }
     ):
         yield
+
+
+def name_panel(figure: Figure, name: str) -> None:
+    """Write a panel's name in its upper corner: side by side or stacked, a caption can refer to it."""
+    figure.text(0.01, 0.98, name, va="top")
 
 
 def inline_svg(figure: Figure, name: str, label: str) -> str:

@@ -118,7 +118,7 @@ def relief_map(surface: Any) -> FigureBlock:
     return FigureBlock(
         "surface-map",
         (inline_svg(figure, "surface-m", "Shaded relief of the prepared heights"),),
-        f"The prepared heights as shaded relief, lit from the upper left ({steps}); light is high.",
+        f"The prepared heights as shaded relief, lit from the north-west ({steps}); light is high.",
     )
 
 

@@ -54,8 +54,8 @@ def slope_figures(slopes: Vector, results: Sequence[Any], titles: dict[str, str]
             ),
         ),
         "Quantiles of the radial slope in standard space, measured over fitted, against the share of slopes "
-        "that lie beyond. A family whose curve bends down at the right has too heavy a tail, one whose "
-        "curve bends up too light a one.",
+        "that lie beyond. A family whose curve bends down where few do has too heavy a tail, one whose curve "
+        "bends up there too light a one.",
     )
     yield FigureBlock("directions", (_directions(slopes, results, titles),), _DIRECTIONS)
 
