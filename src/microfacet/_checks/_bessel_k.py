@@ -46,8 +46,8 @@ def survival(r: Any, alpha: Any, a: Any) -> Any:
 CAP = integrals.Cap(
     lambda alpha, a: 1e-7 if a >= 1 else alpha / 10,
     lambda r, alpha, a: 1 - survival(r, alpha, a),
-    r"slopes below $10^{-7}$, for $a<1$ below $\alpha/10$, which cosines in double precision do not resolve,"
-    " in closed form",
+    r"those of slopes below $10^{-7}$, for $a<1$ below $\alpha/10$, which cosines in double precision do not"
+    " resolve, come in closed form",
 )
 LEAST = 1e-140  # slope/alpha; below it lies a mass of 1e-14 at a = 0.05
 

@@ -222,7 +222,8 @@ CHECKS: tuple[Check, ...] = (
     integrals.marginal(
         as_limit(P2),
         r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq = D(0)\,\frac{\pi}{2}\,A^{-3/2}\,"
-        r"{}_2F_1\Big(\tfrac32, 2-\gamma; 2; \tfrac{\alpha^2-1}{A}\Big), \quad A = p^2+\alpha^2",
+        r"{}_2F_1\big(\tfrac32, 2-\gamma; 2; \kappa\big), \quad A = p^2+\alpha^2,"
+        r" \quad \kappa = \frac{\alpha^2-1}{A}",
         **ENTRY,
     ),
     integrals.marginal(
@@ -242,7 +243,7 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "lambda_gamma_1",
         r"$\Lambda$ at $\gamma=1$ is the printed form, and follows from the density of one slope",
-        r"\Lambda(u) = \frac{-1 + uQ + u\ln(1+\frac1u) - u\ln(1+Q)}{2u\ln\alpha},"
+        r"\Lambda(u) = \frac{1}{2\ln\alpha}\left(Q - \frac{1}{u} + \ln\frac{1+1/u}{1+Q}\right),"
         r"\quad Q = \sqrt{1+(u^{-2}-1)\alpha^2}",
         _lambda_1,
         QUADRATURE,

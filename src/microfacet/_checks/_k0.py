@@ -47,7 +47,7 @@ def survival(r: Any, alpha: Any) -> Any:
 CAP = integrals.Cap(
     lambda alpha: 1e-7,
     lambda r, alpha: 1 - survival(r, alpha),
-    "slopes below $10^{-7}$, which cosines in double precision do not resolve, in closed form",
+    "those of slopes below $10^{-7}$, which cosines in double precision do not resolve, come in closed form",
 )
 
 

@@ -146,8 +146,9 @@ CHECKS: tuple[Check, ...] = (
     integrals.slopes_normalized(**ENTRY),
     integrals.marginal(
         P2,
-        r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq = \frac{\alpha^{2\gamma-2}(\gamma-1)^\gamma\,"
-        r"\Gamma(\gamma-\frac12)}{\sqrt{\pi}\,\Gamma(\gamma)}\,(p^2+\alpha^2(\gamma-1))^{1/2-\gamma}",
+        r"P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq = \frac{\alpha^{2k}\,k^\gamma\,"
+        r"\Gamma(\gamma-\frac12)}{\sqrt{\pi}\,\Gamma(\gamma)}\,(p^2+k\,\alpha^2)^{1/2-\gamma},"
+        r"\quad k = \gamma - 1",
         **ENTRY,
     ),
     integrals.sigma_delta(unless=too_heavy, **ENTRY),

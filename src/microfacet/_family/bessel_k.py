@@ -49,7 +49,7 @@ TEXT = FamilyText(
         ),
         "sigma": "sigma(u) = max(u, 0) + abs(u) Lambda(abs(u))",
         "Lambda": (
-            "Lambda(u) = average of Beckmann's Lambda(x/sqrt(m)) over m ~ Gamma(a, 1),  x = cot(theta)/alpha"
+            "Lambda(u) = average of Beckmann's Lambda(x/sqrt(b)) over b ~ Gamma(a, 1),  x = cot(theta)/alpha"
         ),
         "G1": "G1(u) = u/sigma(u) = 1/(1 + Lambda(u)) for u > 0",
         "survival": "T(r) = 2 y^a K_a(2 y)/Gamma(a),  y = r/alpha",
