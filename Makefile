@@ -31,7 +31,7 @@ CXX_TESTS := cmake -S . -G Ninja -DMICROFACET_BUILD_TESTS=ON
 report: $(VENV)/.package  ## the report of all families and of a measured terrain; its last line is the path
 	$(BIN)/microfacet report --terrain --output report.html
 
-install: $(VENV)/.package  ## the package in a virtual environment, .venv
+install: $(VENV)/.package  ## the package, its command and its report in a virtual environment, .venv
 
 ##@ Develop
 
@@ -130,7 +130,7 @@ $(VENV)/.package: $(PACKAGE) | $(VENV)/.build
 	@command -v "$${CXX:-none}" >/dev/null || { echo "microfacet needs a C++20 compiler: \
 	install g++ (11 or newer) or clang++ (14 or newer)" >&2; exit 1; }
 	@echo "Building and installing microfacet in $(VENV) (some minutes the first time)"
-	$(PIP) install --no-build-isolation .
+	$(PIP) install --no-build-isolation ".[report]"
 	@touch $@
 
 $(VENV)/.test: pyproject.toml | $(VENV)/.venv

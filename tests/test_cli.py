@@ -198,7 +198,7 @@ def test_parquet_without_its_library_is_one_sentence(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     result = run("sample", "ggx", "--alpha", "1", "-o", str(tmp_path / "normals.parquet"))
-    assert_one_sentence(result, "needs pyarrow", "microfacet[parquet]")
+    assert_one_sentence(result, "needs pyarrow", ".[parquet]")
     assert not list(tmp_path.iterdir())
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 import mitsuba_process
+from microfacet._optional import sentence
 
 EXPORT = 'extern "C" __attribute__((visibility("default"))) const char* microfacet_register()'
 STUB = EXPORT + " { return nullptr; }\n"
@@ -348,7 +349,7 @@ def test_what_is_not_installed_is_named(name: str) -> None:
     mitsuba_process.require(VARIANT)
     code = f"import sys; sys.modules[{name!r}] = None\nimport microfacet.mitsuba"
     last = mitsuba_process.python(code).stderr.strip().splitlines()[-1]
-    assert last == f'ImportError: microfacet.mitsuba needs {name}: pip install "microfacet[mitsuba]"'
+    assert last == f"ImportError: {sentence('microfacet.mitsuba needs', name)}"
 
 
 def test_names_that_are_no_variants() -> None:

@@ -18,6 +18,7 @@ import pytest
 from click.testing import CliRunner
 
 import mitsuba_process
+from microfacet._optional import sentence
 from microfacet.cli import main
 
 ELLIPSE = {"alpha_x": 0.1, "alpha_y": 0.4, "rotation": 0.6}
@@ -76,11 +77,11 @@ def test_bad_arguments_are_one_sentence(
 
 @pytest.mark.parametrize("command", ["render", "gallery"])
 def test_without_mitsuba(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "mitsuba", None)
     arguments = ["render", "ggx", "--alpha", "0.2"] if command == "render" else ["gallery"]
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 2
-    assert result.stderr == "microfacet: rendering needs Mitsuba: pip install 'microfacet[mitsuba]'\n"
+    assert result.stderr == f"microfacet: {sentence('rendering needs', 'mitsuba')}\n"
 
 
 @pytest.mark.parametrize("command", ["render", "gallery"])
@@ -95,6 +96,7 @@ def test_help_shows_examples(command: str) -> None:
 MANY = """
 import json, sys
 from click.testing import CliRunner
+from microfacet._optional import sentence
 from microfacet.cli import main
 
 found = {}
@@ -264,6 +266,7 @@ def test_without_llvm_scalar_stands_in(tmp_path: Path) -> None:
 import sys
 from microfacet.mitsuba import _llvm
 _llvm.usable = lambda: (False, "there is no LLVM")
+from microfacet._optional import sentence
 from microfacet.cli import main
 main()
 """

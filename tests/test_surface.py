@@ -247,5 +247,5 @@ def test_channels_are_chosen_by_index_or_name_and_must_be_maps_of_heights():
 def test_without_the_library_one_sentence_says_what_to_install(tmp_path, monkeypatch):
     (tmp_path / "map.opd").write_bytes(b"PK")
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    with pytest.raises(mf.SurfaceError, match=r"pip install 'microfacet\[surface\]'"):
+    with pytest.raises(mf.SurfaceError, match=r'SurfaceTopography.*pip install "\.\[surface\]"'):
         mf.read_surface(tmp_path / "map.opd")

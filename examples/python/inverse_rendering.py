@@ -2,8 +2,8 @@
 
 python examples/python/inverse_rendering.py
 
-Needs Mitsuba (pip install "microfacet[mitsuba]"). The picture is rendered with parameters that the search
-does not see. It starts elsewhere and follows derivatives of its own pictures by both parameters.
+Needs Mitsuba (pip install ".[mitsuba]" in a checkout). The picture is rendered with parameters that the
+search does not see. It starts elsewhere and follows derivatives of its own pictures by both parameters.
 """
 
 import drjit as dr

@@ -8,12 +8,16 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import click
-
 import microfacet as mf
+from microfacet._optional import needed
+
+with needed("the command microfacet needs"):
+    import click
+
 from microfacet._console.bake import bake
 from microfacet._console.fit_command import fit_files, fit_options
 from microfacet._console.gallery import gallery
@@ -255,8 +259,8 @@ def fit(ctx: click.Context, /, **arguments: Any) -> None:
     """Fit the families to the slopes of measured surfaces and rank them.
 
     FILE is a height map: .npz, .npy, .x3p, a grid of numbers, an image, and what instruments write where
-    microfacet[surface] is installed; or slopes. Several files give one table; where dask is installed they
-    are fitted at the same time.
+    the extra surface is installed; or slopes. Several files give one table; where dask is installed they are
+    fitted at the same time.
 
     \b
     Examples:
@@ -267,8 +271,7 @@ def fit(ctx: click.Context, /, **arguments: Any) -> None:
       microfacet fit *.x3p --dask tcp://10.0.0.5:8786 --json
       microfacet fit slopes.parquet --slopes table
     """
-    from microfacet._report.fit import write
-
+    write = import_module("microfacet._report.fit").write if arguments["report"] else None
     ctx.exit(fit_files(write, **arguments))
 
 

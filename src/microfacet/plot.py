@@ -12,7 +12,7 @@ chain in a notebook:
 >>> len(ax.lines)
 2
 
-matplotlib is needed for this module and for nothing else in the package.
+This module needs matplotlib: the extra ``plot``, ``pip install ".[plot]"`` in a checkout.
 """
 
 from __future__ import annotations
@@ -21,9 +21,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import pyplot as plt
-from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
+
+from microfacet._optional import needed
+
+with needed("microfacet.plot needs"):
+    from matplotlib import pyplot as plt
+    from matplotlib.axes import Axes
 
 if TYPE_CHECKING:
     from microfacet._frozen import Distribution

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator
@@ -17,12 +18,13 @@ import microfacet as mf
 from microfacet._bake.cell import compute
 from microfacet._bake.journal import Journal, provenance
 from microfacet._bake.recipe import Recipe, recipe
+from microfacet._optional import needed, require
 
 __all__ = ["bake"]
 
 Array = NDArray[np.float64]
 Cells = Iterator[tuple[int, dict[str, Array]]]
-SUFFIXES = (".nc", ".zarr")
+SUFFIXES = {".nc": "h5netcdf", ".zarr": "zarr"}  # and the libraries that write them
 
 
 def bake(
@@ -98,6 +100,8 @@ def bake(
     0.693147
     """
     xarray = _xarray()
+    if dask is not None:
+        require("a dask cluster needs", "dask")
     what = recipe(
         kind, family, alpha=alpha, shape=shape, material=material, eta=eta, k=k, cos_theta=cos_theta,
         azimuth=azimuth, scattering=scattering, walks=walks, seed=seed,
@@ -147,11 +151,9 @@ def _compute(what: Recipe, cells: Iterable[int], threads: int | None, dask: str 
 
 
 def _on_cluster(what: Recipe, cells: Iterable[int], address: str) -> Cells:
-    try:
-        from distributed import Client
-        from distributed import as_completed as completed
-    except ImportError:
-        raise ImportError("a dask cluster needs distributed: pip install 'microfacet[dask]'") from None
+    from distributed import Client
+    from distributed import as_completed as completed
+
     with Client(address) as client:
         futures = {client.submit(compute, what, cell): cell for cell in cells}
         for future, values in completed(futures, with_results=True):
@@ -189,10 +191,8 @@ def _date() -> str:
 
 
 def _xarray() -> Any:
-    try:
+    with needed("tables need"):
         import xarray
-    except ImportError:
-        raise ImportError("tables need xarray: pip install 'microfacet[bake]'") from None
     return xarray
 
 
@@ -202,11 +202,8 @@ def _require_writable(target: Path) -> None:
         raise ValueError(f"output must end in {' or '.join(SUFFIXES)}, got {str(target)!r}")
     if not target.parent.is_dir():
         raise ValueError(f"output must lie in a folder that exists, got {str(target)!r}")
-    try:
-        import h5netcdf  # noqa: F401
-        import zarr  # noqa: F401
-    except ImportError:
-        raise ImportError("writing tables needs zarr and h5netcdf: pip install 'microfacet[bake]'") from None
+    with needed(f"writing {target.suffix} needs"):
+        importlib.import_module(SUFFIXES[target.suffix])
 
 
 def _write(table: Any, target: Path, what: Recipe, folder: Path) -> None:

@@ -11,8 +11,11 @@ from microfacet._checks._check import CheckItem as CheckItem
 from microfacet._checks._check import CheckResult as CheckResult
 from microfacet._checks._check import p_value as p_value
 from microfacet._checks._routes import delta_integral as delta_integral
-from microfacet._checks._run import catalogue as catalogue
-from microfacet._checks._run import run as run
+from microfacet._optional import needed
+
+with needed("the checks need"):
+    from microfacet._checks._run import catalogue as catalogue
+    from microfacet._checks._run import run as run
 
 __all__ = [
     "HISTOGRAM",

@@ -13,6 +13,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from microfacet._files import replacing
+from microfacet._optional import needed
 
 __all__ = ["Draw", "View", "save", "write_csv"]
 
@@ -152,13 +153,9 @@ def _parquet(draw: Draw, blocks: Iterator[Array], stream: BinaryIO) -> None:
 
 
 def _arrow() -> tuple[Any, Any]:
-    try:
+    with needed("a .parquet file (.npy and .csv do not) needs"):
         import pyarrow
         import pyarrow.parquet
-    except ImportError:
-        raise ImportError(
-            "a .parquet file needs pyarrow: pip install 'microfacet[parquet]', or write .npy or .csv"
-        ) from None
     return pyarrow, pyarrow.parquet
 
 

@@ -63,7 +63,7 @@ def fit_options(command: Command) -> Command:
 
 
 def fit_files(
-    write: Callable[..., Any],
+    write: Callable[..., Any] | None,
     files: Sequence[str],
     reading: dict[str, Any],
     families: tuple[str, ...],
@@ -80,7 +80,7 @@ def fit_files(
     jobs = [fits.Job(file, reading, families, **options) for file in files or ("",)]
     with progress() as tell:
         outcomes = fits.run(jobs, "none" if report else dask, tell, lambda line: click.echo(line, err=True))
-        if report and isinstance(outcomes[0], fits.Fitted):
+        if report and write and isinstance(outcomes[0], fits.Fitted):
             write(report, outcomes[0], _command(), tell)
     if len(files) > 1:
         return _several(files, outcomes, as_json)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
-
-from rich.console import Console
+from typing import TYPE_CHECKING, Any
 
 from microfacet._console.fits import Failure, Fitted
 from microfacet._console.tables import show
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 __all__ = ["files", "prediction", "ranking", "roughness", "scales", "value"]
 

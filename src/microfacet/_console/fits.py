@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -14,10 +13,9 @@ from typing import Any
 import microfacet as mf
 from microfacet._console import surfaces
 from microfacet._fit.prediction import ANGLES, Prediction, predict
+from microfacet._optional import installed, sentence
 
 __all__ = ["Failure", "Fitted", "Job", "attempt", "run"]
-
-_HINT = 'several files at a time: pip install "microfacet[dask]"'
 
 Tell = Callable[[str, int, int], None]
 
@@ -106,14 +104,12 @@ def run(
     """
     if len(jobs) == 1 and dask in (None, "none"):
         return [jobs[0].run(tell)]
-    there = importlib.util.find_spec("distributed") is not None
+    there = installed("distributed")
     if dask not in (None, "none") and not there:
-        raise ValueError(
-            f'--dask needs dask and distributed: pip install "microfacet[dask]", got --dask {dask}'
-        )
+        raise ImportError(sentence(f"--dask {dask} needs", "distributed"))
     if dask == "none" or not there:
         if not there:
-            warn(_HINT)
+            warn(sentence("fitting several files at a time needs", "distributed"))
         return [_attempt(job, tell, done, len(jobs)) for done, job in enumerate(jobs)]
     with _client("local" if dask is None else dask, len(jobs)) as client:
         distributed: Any = importlib.import_module("distributed")

@@ -14,6 +14,7 @@ from microfacet import _render
 from microfacet._console.parameters import family_named, stretched
 from microfacet._console.program import families_option, json_option, progress
 from microfacet._console.render import look_options, warn, writable
+from microfacet._optional import require
 
 __all__ = ["gallery"]
 
@@ -109,6 +110,7 @@ def gallery(
         for alpha in alphas
         for entry in entries
     ]
+    require("the labels of a gallery need", "plot")
     begin = time.monotonic()
     used = _render.start(variant, warn)
     cells[0].check()

@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rich import box
-from rich.console import Console
-from rich.table import Table
-
-from microfacet._checks import HISTOGRAM, SIGNIFICANCE, CheckItem, CheckResult, p_value
 from microfacet._console.evaluate import Evaluation
+from microfacet._optional import needed
+
+if TYPE_CHECKING:
+    from microfacet._checks import CheckItem, CheckResult
+
+with needed("tables need"):
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
 
 __all__ = ["checks", "console", "evaluation", "families", "show", "summary"]
 

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from microfacet._optional import needed
+
 __all__ = ["SHAPES", "Sheet", "looks", "sheet"]
 
 Array = npt.NDArray[Any]
@@ -48,8 +50,9 @@ def _places(sheet_: Sheet, cell: int, left: int, top: int, gap: int) -> Iterator
 
 def sheet(labels: Sheet, pictures: Sequence[Array], display: Callable[[Array], Array]) -> Array:
     """8-bit sRGB (height, width, 3) of premultiplied RGBA pictures, row by row, and their labels."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with needed("labels need"):
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     cell = pictures[0].shape[0]
     scale = cell / 150.0

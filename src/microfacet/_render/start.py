@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable
+
+from microfacet._optional import needed
 
 __all__ = ["FALLBACK", "PREFERRED", "start"]
 
@@ -15,9 +16,8 @@ def start(variant: str, warn: Callable[[str], None]) -> str:
 
     A library that Dr.Jit cannot work with ends the process that uses it, so it is tried in another first.
     """
-    if importlib.util.find_spec("mitsuba") is None:
-        raise ImportError("rendering needs Mitsuba: pip install 'microfacet[mitsuba]'")
-    import mitsuba as mi
+    with needed("rendering needs"):
+        import mitsuba as mi
 
     if variant not in mi.variants():
         raise ValueError(f"variant must be one of {', '.join(mi.variants())}, got {variant!r}")

@@ -13,8 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from microfacet._files import replacing
+from microfacet._optional import require
 
 __all__ = ["Progress", "Report", "build"]
+
+require("the report needs", "report")
 
 #: Told what begins, how many steps are done, and how many there are.
 Progress = Callable[[str, int, int], None]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet import _optional
 from microfacet._surface import process
 from microfacet._surface.checks import SurfaceError, positive
 
@@ -29,11 +30,9 @@ class HeightImage:
 
 def decode(file: Path, *, normals: bool, channel: int | str | None = None) -> tuple[dict[str, Any], Any]:
     """What the file says about its pixels, and the pixels."""
-    missing = [name for name in ("OpenImageIO", "tifffile") if not process.installed(name)]
-    if missing:
-        raise SurfaceError(
-            f"images are not read without {missing[0]}, install it with: pip install 'microfacet[surface]'"
-        )
+    for library in ("OpenImageIO", "tifffile"):
+        if not _optional.installed(library):
+            raise SurfaceError(_optional.sentence("reading images needs", library))
     return process.run("image_child", file, file.stat().st_size, normals=normals, channel=channel)
 
 

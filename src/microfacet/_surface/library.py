@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet import _optional
 from microfacet._surface import process
 from microfacet._surface.checks import SurfaceError
 
@@ -27,11 +28,9 @@ class LibraryMap:
 
 def read(file: Path, channel: int | str | None, bytes_to_read: int) -> LibraryMap:
     """Read `file` with SurfaceTopography; `SurfaceError` when it cannot, for whatever reason."""
-    if not process.installed("SurfaceTopography"):
-        raise SurfaceError(
-            "only .npy, .npz, .x3p and text grids are read without SurfaceTopography, install it with: "
-            "pip install 'microfacet[surface]'"
-        )
+    if not _optional.installed("SurfaceTopography"):
+        what = "any format but .npy, .npz, .x3p and text grids needs"
+        raise SurfaceError(_optional.sentence(what, "SurfaceTopography"))
     answer, heights = process.run("library_child", file, bytes_to_read, channel=channel)
     size = answer["pixel_size"]
     return LibraryMap(

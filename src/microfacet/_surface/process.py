@@ -6,7 +6,6 @@ process can: its memory and time are limited, and a crash, a hang or a chatty li
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import subprocess
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError
 
-__all__ = ["installed", "run"]
+__all__ = ["run"]
 
 #: Seconds for the whole child; importing a library alone may take ten on a cold disk.
 TIMEOUT = 120.0
@@ -71,11 +70,3 @@ def _answer(output: bytes) -> tuple[dict[str, Any], NDArray[np.float64]]:
     if "error" in answer:
         raise SurfaceError(answer["error"])
     return answer, np.frombuffer(output, dtype=np.float64, offset=start).reshape(answer["shape"])
-
-
-def installed(library: str) -> bool:
-    """Whether the library is there, without loading it."""
-    try:
-        return importlib.util.find_spec(library) is not None
-    except ValueError:  # sys.modules holds None for it: switched off
-        return False

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet._surface import images, library, numpy_files, process, text_files, x3p
+from microfacet import _optional
+from microfacet._surface import images, library, numpy_files, text_files, x3p
 from microfacet._surface.checks import METRES_PER_UNIT, SurfaceError, checked_file, pixel_sizes
 from microfacet._surface.surface import Surface
 
@@ -33,7 +34,7 @@ def read_surface(
     ``.npy`` and ``.npz`` (never unpickling anything), ``.x3p`` (ISO 25178-72, a matrix of binary heights),
     ESRI ASCII grids and plain tables of numbers are read here. Images (PNG, TIFF, GeoTIFF, EXR) and every
     other format (Bruker ``.di`` and ``.spm``, Park ``.tiff``, Wyko ``.opd``, ``.sur``, ``.al3d``, ``.gwy``,
-    …, about 40) are read by the libraries of the optional extra ``microfacet[surface]``, in a process of
+    …, about 40) are read by the libraries of the optional extra ``surface``, in a process of
     their own with bounded memory and time. What is not finite in the file or marked as invalid there becomes
     a masked pixel.
 
@@ -188,7 +189,7 @@ def _from_text(
         return None
     esri = text_files.is_esri(file)
     if not esri and size is None:
-        if text_files.has_heading(file) and process.installed("SurfaceTopography"):  # it may state the size
+        if text_files.has_heading(file) and _optional.installed("SurfaceTopography"):  # it may state the size
             with contextlib.suppress(SurfaceError):
                 return _from_library(file, channel, size, unit)
         raise SurfaceError("the text does not state the pixel size, give pixel_size (--pixel-size) in metres")

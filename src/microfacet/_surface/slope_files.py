@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from microfacet import _optional
 from microfacet._surface import images, numpy_files, process, text_files
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError, checked_file, short
 
@@ -51,7 +52,7 @@ def read_slopes(path: str | os.PathLike[str]) -> SlopeSample:
     path : path-like
         ``.npy``: an array (N, 2). ``.npz``: an array ``slopes`` (N, 2), or ``p`` and ``q``. ``.csv``,
         ``.tsv``, ``.txt``, ``.dat``: two numbers in every line, with or without a heading. ``.parquet``
-        (extra ``microfacet[parquet]``): the columns ``p`` and ``q``, or the only two.
+        (extra ``parquet``): the columns ``p`` and ``q``, or the only two.
 
     Returns
     -------
@@ -103,7 +104,7 @@ def read_normal_map(path: str | os.PathLike[str], convention: str = "opengl") ->
     Parameters
     ----------
     path : path-like
-        A PNG or TIFF of 8, 16 or 32 bits, or an EXR (extra ``microfacet[surface]``).
+        A PNG or TIFF of 8, 16 or 32 bits, or an EXR (extra ``surface``).
     convention : {"opengl", "directx"}
         Whether green points up or down the image.
 
@@ -183,8 +184,8 @@ def _text(file: Path) -> NDArray[Any]:
 
 
 def _parquet(file: Path) -> NDArray[Any]:
-    if not process.installed("pyarrow"):
-        raise SurfaceError("a .parquet file needs pyarrow: pip install 'microfacet[parquet]'")
+    if not _optional.installed("pyarrow"):
+        raise SurfaceError(_optional.sentence("a .parquet file needs", "pyarrow"))
     return process.run("parquet_child", file, file.stat().st_size)[1]
 
 

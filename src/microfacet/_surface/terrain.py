@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from microfacet._optional import needed
 from microfacet._surface import numpy_files
 from microfacet._surface.surface import Surface
 
@@ -39,7 +40,8 @@ def sample_terrain() -> Surface:
     >>> terrain.heights.shape, [round(size, 1) for size in terrain.pixel_size], terrain.lag
     ((344, 403), [74.4, 92.7], 2)
     """
-    from matplotlib import cbook
+    with needed("the terrain, which ships with matplotlib, needs"):
+        from matplotlib import cbook
 
     file = Path(str(cbook.get_sample_data("jacksboro_fault_dem.npz", asfileobj=False)))
     arrays = numpy_files.read_npz(file, ("elevation", "dx", "dy", "ymin", "ymax"))

@@ -5,7 +5,8 @@ Importing this module registers both plugins for the variant that is set, and fo
 variant is used (some seconds; `cache_directory` keeps them) and compared with Mitsuba's own
 `roughconductor` and `roughdielectric` before they are let in.
 
-Needs ``pip install "microfacet[mitsuba]"`` and, on Linux, g++ 11 or newer; ``CXX`` names another compiler.
+Needs the extra ``mitsuba`` (``pip install ".[mitsuba]"`` in a checkout) and, on Linux, g++ 11 or newer;
+``CXX`` names another compiler.
 
 Examples
 --------
@@ -23,16 +24,14 @@ import ctypes
 import sys
 from pathlib import Path
 
+from microfacet._optional import needed
+
 if sys.platform == "win32":
     raise ImportError("microfacet.mitsuba compiles its plugins on Linux and macOS only")
-try:
+with needed("microfacet.mitsuba needs"):
     import mitsuba as mi
 
     from microfacet.mitsuba import _build, _cache, _llvm
-except ModuleNotFoundError as error:
-    if (error.name or "").partition(".")[0] == "microfacet":
-        raise
-    raise ImportError(f'microfacet.mitsuba needs {error.name}: pip install "microfacet[mitsuba]"') from None
 
 __all__ = ["cache_directory", "register"]
 

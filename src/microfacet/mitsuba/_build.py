@@ -23,6 +23,7 @@ import nanobind
 
 import microfacet as mf
 from microfacet._core.processor import instruction_sets
+from microfacet._optional import installed
 from microfacet.mitsuba import _cache, _check
 
 __all__ = ["Compiler", "compile_flags", "find_compiler", "key", "library"]
@@ -186,8 +187,8 @@ def _run(compiler: Compiler, arguments: list[str], what: str) -> None:
 
 @contextmanager
 def _told(what: str) -> Iterator[None]:
-    """A line on stderr for as long as it takes, where stderr is a terminal."""
-    if not sys.stderr.isatty():
+    """A line on stderr for as long as it takes, where stderr is a terminal and rich is there."""
+    if not (sys.stderr.isatty() and installed("rich")):
         yield
         return
     from rich.console import Console
