@@ -6,6 +6,7 @@ meaning, domain and behaviour of the quantity and attaches the result to the ufu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ from textwrap import fill, indent
 
 import numpy as np
 
-__all__ = ["FamilyText", "document", "documented"]
+__all__ = ["QUANTITIES", "Argument", "FamilyText", "document", "documented"]
 
 
 @dataclass(frozen=True)
@@ -48,17 +49,29 @@ class FamilyText:
 
 
 @dataclass(frozen=True)
+class Argument:
+    """An argument of a quantity: what it is, and the numbers that it may be."""
+
+    name: str
+    meaning: str
+    domain: str
+    lower: float = -math.inf
+    upper: float = math.inf
+
+
+@dataclass(frozen=True)
 class _Quantity:
     summary: str
-    arguments: tuple[tuple[str, str], ...]
+    arguments: tuple[Argument, ...]
     returns: str
     outside: str
     example: str  # the arguments before the parameters
 
 
-_COSINE = ("u", "Cosine of the angle to the macroscopic normal (dimensionless), in [-1, 1].")
-_SLOPE = ("p", "Slope along x (dimensionless), any real number.")
-_XI = ("xi", "Uniform random number, in [0, 1).")
+_COSINE = Argument("u", "cosine of the angle to the macroscopic normal", "in [-1, 1]", -1.0, 1.0)
+_SLOPE = Argument("p", "slope along x", "any real number")
+_RADIUS = Argument("r", "slope tan(theta)", "in [0, inf)", 0.0)
+_XI = Argument("xi", "uniform random number", "in [0, 1)", 0.0, 1.0)
 _NAN = "nan where an argument is nan or a parameter lies outside its domain"
 
 QUANTITIES: Mapping[str, _Quantity] = {
@@ -71,7 +84,7 @@ QUANTITIES: Mapping[str, _Quantity] = {
     ),
     "P22": _Quantity(
         "Joint density of the slopes (p, q).",
-        (_SLOPE, ("q", "Slope along y (dimensionless), any real number.")),
+        (_SLOPE, Argument("q", "slope along y", "any real number")),
         "Probability per unit area of slopes; integrates to 1 over the plane.",
         f"{_NAN}.",
         "0.1, 0.2",
@@ -113,7 +126,7 @@ QUANTITIES: Mapping[str, _Quantity] = {
     ),
     "survival": _Quantity(
         "Probability that the slope of a normal drawn from D cos(theta) exceeds r.",
-        (("r", "Slope tan(theta) (dimensionless), >= 0."),),
+        (_RADIUS,),
         "Probability: 1 at r = 0, falling to 0.",
         f"{_NAN} or r < 0.",
         "0.2",
@@ -147,7 +160,8 @@ def _entries(pairs: list[tuple[str, str]]) -> str:
 
 def _text(quantity: str, family: FamilyText) -> str:
     about = QUANTITIES[quantity]
-    parameters = [*about.arguments, ("alpha", _ALPHA), *family.parameters.items()]
+    arguments = [(x.name, f"{x.meaning.capitalize()} (dimensionless), {x.domain}.") for x in about.arguments]
+    parameters = [*arguments, ("alpha", _ALPHA), *family.parameters.items()]
     call = f"mf.{family.name}.{quantity}({about.example}, {family.arguments})"
     value = f"{family.examples[quantity]:.6g}"
     return f"""{about.summary} {family.title} family.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar
 
+from microfacet._calls import constructor
 from microfacet._sampling import Sampling
 
 __all__ = ["Distribution", "IsotropicDistribution", "StretchedDistribution"]
@@ -34,6 +35,10 @@ class Distribution(Sampling):
     _values: tuple[float, ...]
 
     __slots__ = ("_values",)
+
+    def __init_subclass__(cls) -> None:
+        if "__init__" in vars(cls):
+            cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]
 
     def _freeze(self, values: tuple[float, ...]) -> None:
         object.__setattr__(self, "_values", values)
@@ -86,6 +91,7 @@ class StretchedDistribution(Distribution):
     __slots__ = ()
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         cls._names = ("alpha_x", "alpha_y", "rotation", *(name for name, *_ in cls.kernels.parameters))
 
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
@@ -134,6 +140,7 @@ class IsotropicDistribution(Distribution):
     __slots__ = ()
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
         cls._names = ("alpha", *(name for name, *_ in cls.kernels.parameters))
 
     def _set(self, alpha: float, **shape: float | None) -> None:

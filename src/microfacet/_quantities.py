@@ -27,8 +27,9 @@ def _components(owner: str, names: tuple[str, ...], arguments: tuple[ArrayLike |
         )
     parts: list[Any] = []
     for name, argument in zip(names, given, strict=True):
-        # What handles ufuncs itself, as a dask array does, stays what it is.
-        array: Any = argument if hasattr(argument, "__array_ufunc__") else np.asanyarray(argument)
+        # What handles ufuncs itself, as a dask array does, stays what it is; a table of pandas has no axes.
+        own = hasattr(argument, "__array_ufunc__") and hasattr(argument, "ndim")
+        array: Any = argument if own and not hasattr(argument, "iloc") else np.asanyarray(argument)
         if array.ndim == 0 or array.shape[-1] != 3:
             raise ValueError(f"{owner}: {name} must have shape (..., 3), got {array.shape}")
         parts += (array[..., 0], array[..., 1], array[..., 2])

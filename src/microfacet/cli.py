@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ with needed("the command microfacet needs"):
     import click
 
 from microfacet._console.bake import bake
+from microfacet._console.evaluate_command import evaluate
 from microfacet._console.fit_command import fit_files, fit_options
 from microfacet._console.gallery import gallery
 from microfacet._console.program import (
@@ -29,6 +29,7 @@ from microfacet._console.program import (
     progress,
     surface_options,
     view_options,
+    where,
 )
 from microfacet._console.render import render
 from microfacet._console.synthesize import synthesize
@@ -157,45 +158,6 @@ def verify(
     ctx.exit(0 if all(result.passed for result in results) else 1)
 
 
-@main.command("eval", context_settings={"ignore_unknown_options": True})  # so that -0.5 is a value
-@click.argument("family")
-@click.argument("quantity")
-@click.argument("values", nargs=-1, required=True)
-@parameter_options
-@click.option("--dtype", type=click.Choice(["float64", "float32"]), default="float64", help="Precision.")
-@json_option
-def evaluate(
-    family: str,
-    quantity: str,
-    values: tuple[str, ...],
-    parameters: Parameters,
-    dtype: str,
-    as_json: bool,
-) -> None:
-    """Evaluate QUANTITY of FAMILY at VALUES, or at the lines of stdin where VALUES is "-".
-
-    QUANTITY is D, P22, P2, slope_cdf, sigma, Lambda, G1, survival, sample_slope or sample_u. P22 takes pairs
-    of slopes: 0.1,0.2. JSON has no inf and no nan: with --json they become null.
-
-    \b
-    Examples:
-      microfacet eval ggx Lambda 0.1 0.5 0.9 --alpha 0.3
-      microfacet eval beckmann sigma -0.5 --alpha 0.5
-      seq 0 0.1 1 | microfacet eval student_t D - --alpha 0.3 --gamma 2.5
-    """
-    from microfacet._console import evaluate as work
-    from microfacet._console import records, tables
-    from microfacet._console.parameters import family_named
-
-    entry = family_named(family)
-    lines: Iterable[str] = (line for line in sys.stdin if line.strip()) if values == ("-",) else values
-    result = work.evaluate(entry, quantity, lines, parameters, dtype)
-    if as_json:
-        click.echo(json.dumps(records.finite(result.as_dict()), allow_nan=False))
-    else:
-        tables.evaluation(tables.console(), result)
-
-
 @main.command()
 @click.argument("family")
 @click.option(
@@ -244,8 +206,7 @@ def sample(
         return
     with progress() as tell:
         draw.save(work, Path(output), tell)
-    if as_json:
-        click.echo(json.dumps({"path": str(Path(output).absolute()), **work.as_dict()}))
+    click.echo(json.dumps({"path": where(output), **work.as_dict()}) if as_json else where(output))
 
 
 @main.command()
@@ -288,6 +249,7 @@ def families(as_json: bool) -> None:
         tables.families(tables.console(), entries)
 
 
+main.add_command(evaluate)
 main.add_command(synthesize)
 main.add_command(bake)
 main.add_command(render)

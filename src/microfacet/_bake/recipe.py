@@ -165,7 +165,8 @@ def recipe(
         seed=int(seed),
     )  # fmt: skip
     if not 0 < result.cos_theta[0] <= result.cos_theta[-1] <= 1:
-        raise ValueError("bake: cos_theta must lie in (0, 1]")
+        ends = f"{result.cos_theta[0]:g} to {result.cos_theta[-1]:g}"
+        raise ValueError(f"bake: cos_theta must lie in (0, 1], got {ends}")
     if material == "conductor" and len(result.eta) > 1:
         raise ValueError("bake: a conductor takes one eta")
     for cell in (0, result.cells - 1):  # the ends of every grid: constructors say what lies outside

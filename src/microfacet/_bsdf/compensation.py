@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from microfacet._bsdf.conductor import Conductor
 from microfacet._bsdf.fresnel import fresnel_average, fresnel_conductor
+from microfacet._calls import constructor
 from microfacet._frozen import Distribution
 
 __all__ = ["KullaConty", "Turquin"]
@@ -85,6 +86,7 @@ class _Compensated:
     material: Conductor
     _energy: _Energy
 
+    @constructor
     def __init__(self, material: Conductor, table: Any = None) -> None:
         owner = type(self).__name__
         if not isinstance(material, Conductor) or material.scattering != "single":

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet._calls import constructor
 from microfacet._frozen import Distribution
 
 __all__ = ["NO_ORDER", "MaterialKernels", "number", "seed_of", "xyz"]
@@ -41,6 +42,10 @@ class MaterialKernels:
     _name: str
     _transmits = False
     _closed = True  # whether scattering of one order has a closed form
+
+    def __init_subclass__(cls) -> None:
+        if "__init__" in vars(cls):
+            cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]
 
     def _freeze(self, ndf: Distribution, scattering: str, constants: tuple[Array, ...]) -> None:
         owner = type(self).__name__

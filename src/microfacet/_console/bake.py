@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from microfacet._console.program import json_option, progress
+from microfacet._console.program import json_option, progress, where
 
 __all__ = ["bake"]
 
@@ -103,8 +103,7 @@ def bake(
             **options,
         )
     if as_json:
-        click.echo(
-            json.dumps({"path": output, "sizes": dict(table.sizes), "variables": list(table.data_vars)})
-        )
+        found = {"sizes": dict(table.sizes), "variables": list(table.data_vars)}
+        click.echo(json.dumps({"path": where(output), **found}))
     else:
-        click.echo(output)
+        click.echo(where(output))

@@ -59,6 +59,9 @@ class Draw:
             return
         if self.view.bounded and self.ndf.family != "ggx":
             raise ValueError(f"bounded sampling exists for ggx alone, not for {self.ndf.family}")
+        if not (math.isfinite(self.view.theta) and math.isfinite(self.view.phi)):
+            given = f"{self.view.theta:g} and {self.view.phi:g}"
+            raise ValueError(f"visible and phi must be finite numbers of degrees, got {given}")
         if not self.ndf.sigma(self.view.direction) > 0.0:
             raise ValueError(f"no normal can be seen from {self.view.theta:g} degrees: sigma is 0")
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._console.parameters import arguments
+from microfacet._docs import QUANTITIES
 
 __all__ = ["Evaluation", "evaluate", "quantities"]
 
@@ -48,8 +49,8 @@ def evaluate(
 ) -> Evaluation:
     """Parse `values`, one evaluation each ("0.3", or "0.1,0.2" where two slopes are taken), and evaluate.
 
-    ValueError for an unknown quantity, text that is no number, and parameters where the quantity does not
-    exist (all results nan).
+    ValueError for an unknown quantity, text that is no number, values and parameters where the quantity does
+    not exist.
     """
     known = quantities(family)
     if quantity not in known:
@@ -62,6 +63,7 @@ def evaluate(
     with np.errstate(all="ignore"):
         results = np.asarray(ufunc(*points.T, *scalars))
     _blame(family, quantity, parameters, points, results)
+    _blame_values(quantity, points, results)
     return Evaluation(family.name, quantity, parameters, points, results)
 
 
@@ -92,3 +94,13 @@ def _blame(
         if not parameter.lower < value < parameter.upper:
             interval = f"({parameter.lower:g}, {parameter.upper:g})"
             raise ValueError(f"{family.name}: {parameter.name} must lie in {interval}, got {value:g}")
+
+
+def _blame_values(quantity: str, points: NDArray[Any], results: NDArray[Any]) -> None:
+    """Name the first value outside the domain: where that begins, to the last digit, the result decides."""
+    for argument, column in zip(QUANTITIES[quantity].arguments, points.T, strict=True):
+        outside = np.isnan(results) & ((column <= argument.lower) | (column >= argument.upper))
+        if outside.any():
+            what = f"{quantity}: {argument.name} ({argument.meaning})"
+            value = str(column[outside][0]).removesuffix(".0")
+            raise ValueError(f"{what} must lie {argument.domain}, got {value}")

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from microfacet._console.program import progress
+from microfacet._console.program import progress, where
 
 __all__ = ["fit_files", "fit_options"]
 
@@ -88,12 +88,12 @@ def fit_files(
     if isinstance(fitted, fits.Failure):  # on a worker
         raise ValueError(fitted.error)
     if as_json:
-        page = {"report": str(Path(report).absolute())} if report else {}
+        page = {"report": where(report)} if report else {}
         click.echo(json.dumps({**records.fit(fitted), **page}, allow_nan=False))
     else:
         _tables(fitted)
         if report:
-            click.echo(str(Path(report).absolute()))
+            click.echo(where(report))
     return 0
 
 

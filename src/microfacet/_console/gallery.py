@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from pathlib import Path
 from typing import Any
 
 import click
@@ -12,7 +11,7 @@ import click
 import microfacet as mf
 from microfacet import _render
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import families_option, json_option, progress
+from microfacet._console.program import families_option, json_option, progress, where
 from microfacet._console.render import look_options, warn, writable
 from microfacet._optional import require
 
@@ -137,6 +136,6 @@ def gallery(
     _render.save(path, _render.sheet(labels, pictures, _render.display), {"microfacet": json.dumps(record)})
     if as_json:
         took = round(time.monotonic() - begin, 2)
-        click.echo(json.dumps({"path": str(Path(path).absolute()), **record, "seconds": took}))
+        click.echo(json.dumps({"path": where(path), **record, "seconds": took}))
     else:
-        click.echo(path)
+        click.echo(where(path))

@@ -5,15 +5,20 @@ from __future__ import annotations
 import functools
 import math
 import os
+import re
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, NoReturn
 
 import click
 
 __all__ = [
+    "NumbersCommand",
     "Program",
     "axes_options",
     "families_option",
@@ -22,6 +27,7 @@ __all__ = [
     "progress",
     "surface_options",
     "view_options",
+    "where",
 ]
 
 Command = Callable[..., Any]
@@ -34,10 +40,11 @@ class Program(click.Group):
         """Run, and turn the errors that a user can cause into exit statuses."""
         options["standalone_mode"] = False
         _stand_in_for_closed_streams()
-        # Terminated from outside, the blocks that clean up after themselves shall still end.
-        before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
         try:
-            status = super().main(*args, **options)
+            with _ending_on_sigterm():
+                status = super().main(*args, **options)
+        except click.NoSuchOption as error:
+            _fail(_no_such_option(error))
         except click.ClickException as error:
             _fail(error.format_message())
         except click.Abort:  # Ctrl-C
@@ -46,8 +53,6 @@ class Program(click.Group):
             _fail(str(error))
         except OSError as error:
             _fail(": ".join(str(part) for part in (error.filename, error.strerror or error) if part))
-        finally:
-            signal.signal(signal.SIGTERM, before)
         sys.exit(status if isinstance(status, int) else 0)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -59,6 +64,47 @@ class Program(click.Group):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             ctx.exit(141)  # 128 + SIGPIPE, what a shell reports
         return value
+
+
+class NumbersCommand(click.Command):
+    """A command whose arguments may be negative numbers: what else begins with a hyphen is an option."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.ignore_unknown_options = True  # click's parser would take -0.5 for options
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Refuse an option that does not exist, which the parser has taken for an argument."""
+        found, _, _ = self.make_parser(ctx).parse_args(args=list(args))
+        for parameter in self.params:
+            given = found.get(parameter.name or "") if isinstance(parameter, click.Argument) else None
+            for text in given if isinstance(given, tuple | list) else (given,):
+                if isinstance(text, str) and re.match(r"-(?!\d|\.\d|inf|nan|$)", text, re.IGNORECASE):
+                    raise click.NoSuchOption(text.partition("=")[0], ctx=ctx)
+        return super().parse_args(ctx, args)
+
+
+def _no_such_option(error: click.NoSuchOption) -> str:
+    known = (
+        [name for entry in error.ctx.command.get_params(error.ctx) for name in entry.opts]
+        if error.ctx
+        else []
+    )
+    near = get_close_matches(error.option_name, known, n=1)
+    return f"No such option: {error.option_name}." + (f" Did you mean {near[0]}?" if near else "")
+
+
+@contextmanager
+def _ending_on_sigterm() -> Iterator[None]:
+    """Let blocks that clean up end when the process is terminated, which the main thread alone can do."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _stand_in_for_closed_streams() -> None:
@@ -184,6 +230,11 @@ def view_options(command: Command) -> Command:
         return command(view=None if visible is None else {"theta": visible, **given}, **rest)
 
     return wrapped
+
+
+def where(path: str | Path) -> str:
+    """The file that a command has written, as all of them print it: an absolute path."""
+    return str(Path(path).absolute())
 
 
 families_option = click.option(

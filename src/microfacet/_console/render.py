@@ -15,7 +15,7 @@ import click
 import microfacet as mf
 from microfacet import _render
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import axes_options, json_option, parameter_options, progress
+from microfacet._console.program import axes_options, json_option, parameter_options, progress, where
 
 __all__ = ["look_options", "render", "warn", "writable"]
 
@@ -169,11 +169,11 @@ def render(
     for path in paths:
         _render.save(path, radiance, {"microfacet": json.dumps(record)})
     if as_json:
-        where = [str(Path(path).absolute()) for path in paths]
-        click.echo(json.dumps({"paths": where, **record, "seconds": round(time.monotonic() - begin, 2)}))
+        took = round(time.monotonic() - begin, 2)
+        click.echo(json.dumps({"paths": [where(path) for path in paths], **record, "seconds": took}))
     else:
         for path in paths:
-            click.echo(path)
+            click.echo(where(path))
 
 
 def _of_fit(stream: TextIO, chosen: str | None) -> tuple[str, dict[str, float]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 import microfacet as mf
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import axes_options, json_option, parameter_options
+from microfacet._console.program import axes_options, json_option, parameter_options, where
 from microfacet._files import replacing
 
 __all__ = ["synthesize"]
@@ -70,6 +70,6 @@ def synthesize(
     if as_json:
         record = {"family": family, "parameters": ndf.parameters, "seed": how["seed"], "steps": surface.steps}
         roughness = mf.roughness(surface)._asdict()
-        click.echo(json.dumps({"path": str(Path(output).absolute()), **record, "roughness": roughness}))
+        click.echo(json.dumps({"path": where(output), **record, "roughness": roughness}))
     else:
-        click.echo(output)
+        click.echo(where(output))

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from microfacet._console.evaluate import Evaluation
+from microfacet._docs import QUANTITIES
 from microfacet._optional import needed
 
 if TYPE_CHECKING:
@@ -20,9 +21,6 @@ with needed("tables need"):
 
 __all__ = ["checks", "console", "evaluation", "families", "show", "summary"]
 
-_INPUTS = {"P22": ("p", "q"), "P2": ("p",), "slope_cdf": ("p",), "survival": ("r",), "sample_slope": ("xi",)}
-_INPUTS["sample_u"] = ("xi",)
-
 
 def console() -> Console:
     """Standard output: as wide as the terminal, or wide enough for the tables where it is none."""
@@ -31,7 +29,7 @@ def console() -> Console:
 
 def evaluation(out: Console, result: Evaluation) -> None:
     """One row per point; every digit that distinguishes the result."""
-    names = _INPUTS.get(result.quantity, ("u",))
+    names = [argument.name for argument in QUANTITIES[result.quantity].arguments]
     rows = [
         [*map(str, point), str(value)] for point, value in zip(result.points, result.results, strict=True)
     ]
