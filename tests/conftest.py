@@ -3,9 +3,15 @@
 import os
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-settings.register_profile("microfacet", deadline=None, derandomize=True, database=None)
+settings.register_profile(
+    "microfacet",
+    deadline=None,  # as for too_slow: how long an example takes depends on what else the machine does
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    derandomize=True,
+    database=None,
+)
 settings.load_profile("microfacet")
 
 # Where the workers of pytest-xdist fill the cores, the threads of a small eigenvalue problem wait for each

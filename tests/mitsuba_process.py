@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+from limits import HANG
+
 VARIANTS = ("scalar_rgb", "scalar_spectral", "llvm_ad_rgb", "llvm_ad_spectral")
 PRELUDE = "import sys\nimport mitsuba as mi\nmi.set_variant({variant!r})\nimport microfacet.mitsuba\n"
 
@@ -40,31 +42,29 @@ def require(variant: str) -> None:
         pytest.skip(reason)
 
 
-def python(
-    code: str, *arguments: str, timeout: float = 300.0, **environment: str
-) -> subprocess.CompletedProcess[str]:
+def python(code: str, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run Python code as it is, with more environment variables."""
     return subprocess.run(
         [sys.executable, "-c", code, *arguments],
         capture_output=True,
         text=True,
-        timeout=timeout,
+        timeout=HANG,
         env={**os.environ, **environment},
     )
 
 
-def run(code: str | Path, variant: str, *arguments: str, timeout: float = 300.0) -> str:
+def run(code: str | Path, variant: str, *arguments: str) -> str:
     """What `code`, or the file of that path, prints once the plugins of `variant` are registered.
 
     It finds `mi`, `microfacet` and `sys`, and the arguments in `sys.argv[1:]`.
     """
     require(variant)
     text = code.read_text(encoding="utf-8") if isinstance(code, Path) else code
-    done = python(PRELUDE.format(variant=variant) + text, *arguments, timeout=timeout)
+    done = python(PRELUDE.format(variant=variant) + text, *arguments)
     assert done.returncode == 0, f"{variant} ended with status {done.returncode}:\n{done.stderr[-4000:]}"
     return done.stdout
 
 
-def result(code: str | Path, variant: str, *arguments: str, timeout: float = 300.0) -> Any:
+def result(code: str | Path, variant: str, *arguments: str) -> Any:
     """The JSON on the last line that `code` prints."""
-    return json.loads(run(code, variant, *arguments, timeout=timeout).splitlines()[-1])
+    return json.loads(run(code, variant, *arguments).splitlines()[-1])

@@ -12,6 +12,7 @@ import pytest
 
 import microfacet as mf
 import mitsuba_process
+from limits import HANG
 from material_cases import Array, directions, unit
 
 EXACT = 1e-5  # of single precision
@@ -37,7 +38,7 @@ def mitsuba(tmp_path_factory: pytest.TempPathFactory) -> Any:
     np.savez(folder / "directions.npz", wi=WI, wo=WO)
     script = Path(__file__).with_name("mitsuba_values.py")
     command = [sys.executable, str(script), str(folder / "directions.npz"), str(folder / "values.npz")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=HANG)
     assert done.returncode == 0, done.stderr
     return dict(np.load(folder / "values.npz"))
 

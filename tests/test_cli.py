@@ -15,6 +15,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import microfacet as mf
+from limits import HANG
 from microfacet import _checks
 from microfacet._console.draw import Draw, View
 from microfacet.cli import main
@@ -35,7 +36,7 @@ def command(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]
         [sys.executable, "-m", "microfacet.cli", *arguments],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HANG,
         **options,
     )
 
@@ -433,7 +434,7 @@ def test_a_closed_pipe_is_silent() -> None:
     assert producer.stdout.readline() == b"x,y,z\n"
     producer.stdout.close()
     assert producer.stderr.read() == b""
-    assert producer.wait(timeout=30) == 141
+    assert producer.wait(timeout=HANG) == 141
     producer.stderr.close()
 
 
@@ -456,7 +457,7 @@ def test_starting_loads_no_heavy_library() -> None:
     heavy = ["matplotlib", "scipy", "mpmath", "rich", "jinja2"]
     code = f"import sys, microfacet.cli; print([name for name in {heavy} if name in sys.modules])"
     program = [sys.executable, "-c", code]
-    done = subprocess.run(program, capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run(program, capture_output=True, text=True, timeout=HANG, check=True)
     assert done.stdout == "[]\n"
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from pathlib import Path
+
+from limits import HANG, wait_for
 
 
 def test_closed_streams_are_no_traceback() -> None:
@@ -19,10 +20,7 @@ def test_a_terminated_sample_leaves_no_part(tmp_path: Path) -> None:
     code = "from microfacet.cli import main; main()"
     arguments = ["sample", "ggx", "--alpha", "0.3", "-n", "500000000", "-o", str(tmp_path / "b.npy")]
     process = subprocess.Popen([sys.executable, "-c", code, *arguments], stderr=subprocess.DEVNULL)
-    for _ in range(600):
-        if list(tmp_path.iterdir()):
-            break
-        time.sleep(0.05)
+    wait_for(lambda: list(tmp_path.iterdir()), process)
     process.terminate()
-    assert process.wait(timeout=60) == 143
+    assert process.wait(timeout=HANG) == 143
     assert not list(tmp_path.iterdir())

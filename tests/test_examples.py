@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import mitsuba_process
+from limits import HANG
 
 EXAMPLES = Path(__file__).parents[1] / "examples" / "python"
 
@@ -40,7 +41,7 @@ def test_inverse_rendering_recovers_what_was_hidden(tmp_path: Path) -> None:
 
 def said_by(name: str, folder: Path) -> str:
     done = subprocess.run(
-        [sys.executable, str(EXAMPLES / name)], cwd=folder, capture_output=True, text=True, timeout=300
+        [sys.executable, str(EXAMPLES / name)], cwd=folder, capture_output=True, text=True, timeout=HANG
     )
     assert done.returncode == 0, done.stderr
     return done.stdout

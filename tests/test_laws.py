@@ -121,7 +121,7 @@ def contract_range(family: str, parameter: Any) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(data=st.data(), dtype=DTYPES, u=st.floats(0, 1), size=EXPONENTS, other=EXPONENTS, sign=SIGNS)
 def test_bounds_and_symmetry(
     family: Any,

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 import mitsuba_process
+from limits import HANG
 from microfacet._optional import sentence
 
 EXPORT = 'extern "C" __attribute__((visibility("default"))) const char* microfacet_register()'
@@ -267,7 +268,7 @@ print(_build.library({VARIANT!r}))
     several = [
         subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) for _ in range(3)
     ]
-    paths = {process.communicate(timeout=120)[0] for process in several}
+    paths = {process.communicate(timeout=HANG)[0] for process in several}
     assert len(paths) == 1
     assert Path(paths.pop().strip()).exists()
     assert sum(" -c " in line for line in log.read_text(encoding="utf-8").splitlines()) == 1

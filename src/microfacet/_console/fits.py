@@ -138,7 +138,7 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
     distributed: Any = importlib.import_module("distributed")
     if address != "local":
         try:
-            client = distributed.Client(address, timeout=10)
+            client = distributed.Client(address)
         except (OSError, ValueError) as error:
             raise ValueError(f"--dask: no scheduler answers at {address} ({error})") from error
         with client:

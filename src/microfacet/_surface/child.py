@@ -23,7 +23,7 @@ def main() -> None:
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     logging.disable()
-    limit_memory(request["max_bytes"])
+    limit(request["max_bytes"], request["max_seconds"])
     reader = load(request["reader"])
     try:
         answer, heights = reader.read(request)
@@ -51,14 +51,16 @@ def load(name: str) -> Any:
     return module
 
 
-def limit_memory(bytes_: int) -> None:
+def limit(bytes_: int, seconds: int) -> None:
+    """Limit address space and processor time; the kernel ends what takes more time, without a core file."""
     try:
         import resource
-    except ImportError:  # Windows has no such limit; the checks of sizes remain
+    except ImportError:  # Windows has no such limits; the checks of sizes remain
         return
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    limit = bytes_ if hard == resource.RLIM_INFINITY else min(bytes_, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+    wanted = {resource.RLIMIT_AS: bytes_, resource.RLIMIT_CPU: seconds, resource.RLIMIT_CORE: 0}
+    for kind, value in wanted.items():
+        _, hard = resource.getrlimit(kind)
+        resource.setrlimit(kind, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))
 
 
 if __name__ == "__main__":

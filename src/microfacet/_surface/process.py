@@ -1,13 +1,14 @@
 """Readers that are not ours run in a process of their own.
 
 Binary formats, some of them parsed by C libraries, cannot be promised to survive a hostile file. A child
-process can: its memory and time are limited, and a crash, a hang or a chatty library ends there.
+process can: its memory and processor time are limited, and a crash, a hang or a chatty library ends there.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -20,8 +21,9 @@ from microfacet._surface.checks import MAX_PIXELS, SurfaceError
 
 __all__ = ["run"]
 
-#: Seconds for the whole child; importing a library alone may take ten on a cold disk.
-TIMEOUT = 120.0
+#: Seconds of processor time for the whole child, which do not depend on what else the machine does, and
+#: seconds after which it hangs: a child that waits for something uses no processor.
+PROCESSOR_SECONDS, HANG = 120, 1800.0
 # Address space for the child: the interpreter and the library, then what a file of this size can need (an
 # int16 map becomes float64, in several copies), within a limit that holds for any file.
 _BASE_BYTES, _BYTES_PER_BYTE, _MOST_BYTES = 3 * 2**29, 32, 2**32
@@ -36,6 +38,7 @@ def run(
         "reader": reader,
         "path": str(file.resolve()),
         "max_pixels": MAX_PIXELS,
+        "max_seconds": PROCESSOR_SECONDS,
         "max_bytes": min(_BASE_BYTES + _BYTES_PER_BYTE * bytes_to_read, _MOST_BYTES),
     }
     # The child sees the packages that we see; one BLAS thread, because each reserves address space.
@@ -52,11 +55,13 @@ def run(
             input=json.dumps(request).encode(),
             env=environment,
             capture_output=True,
-            timeout=TIMEOUT,
+            timeout=HANG,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise SurfaceError(f"reading took longer than {TIMEOUT:g} seconds") from None
+        raise SurfaceError(f"reading took longer than {HANG:g} seconds") from None
+    if done.returncode == -getattr(signal, "SIGXCPU", 0) < 0:
+        raise SurfaceError(f"reading took longer than {PROCESSOR_SECONDS} seconds of processor time")
     return _answer(done.stdout)
 
 

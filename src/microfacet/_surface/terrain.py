@@ -40,7 +40,7 @@ def sample_terrain() -> Surface:
     >>> terrain.heights.shape, [round(size, 1) for size in terrain.pixel_size], terrain.lag
     ((344, 403), [74.4, 92.7], 2)
     """
-    with needed("the terrain, which ships with matplotlib, needs"):
+    with needed("the sample terrain needs"):
         from matplotlib import cbook
 
     file = Path(str(cbook.get_sample_data("jacksboro_fault_dem.npz", asfileobj=False)))

@@ -19,7 +19,7 @@ from microfacet._files import replacing
 __all__ = ["directory", "library_in", "locked", "prune", "read_record", "scratch_prefix", "write_record"]
 
 KEPT = 12  # libraries, of all variants and versions together
-ABANDONED = 3600.0  # seconds after which what a killed process left is dropped
+ABANDONED = 86400.0  # seconds after which what a killed process left is dropped
 scratch_prefix = ".compiling-"
 
 
