@@ -5,6 +5,8 @@ import os
 import pytest
 from hypothesis import HealthCheck, settings
 
+from limits import HANG
+
 settings.register_profile(
     "microfacet",
     deadline=None,  # as for too_slow: how long an example takes depends on what else the machine does
@@ -17,6 +19,9 @@ settings.load_profile("microfacet")
 # Where the workers of pytest-xdist fill the cores, the threads of a small eigenvalue problem wait for each
 # other: a hundredth of a second becomes three. NumPy, which is not yet imported, reads it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# So does dask, which otherwise gives up on a connection after half a minute.
+for _kind in ("CONNECT", "TCP"):
+    os.environ.setdefault(f"DASK_DISTRIBUTED__COMM__TIMEOUTS__{_kind}", f"{HANG:.0f}s")
 
 
 def pytest_configure(config: pytest.Config) -> None:

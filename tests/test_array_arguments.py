@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,6 @@ SLOPES = 0.2 * RNG.normal(size=(60, 2))
 RADII = np.geomspace(1e-3, 10.0, 60)
 
 NDF = mf.StudentT(alpha_x=0.2, alpha_y=0.5, rotation=0.4, gamma=2.25)
-OWN = mf.RadialNDF((RADII, np.exp(-(RADII**2))), alpha=0.4)
 METAL = mf.Conductor(NDF, [0.2, 1.1], [3.0, 2.0])
 GLASS = mf.Dielectric(NDF, 1.4)
 WHITE = mf.Conductor(mf.K0(alpha=0.4))
@@ -70,7 +70,7 @@ CALLS: dict[str, tuple[Callable[[Any], Any], Any]] = {
         for name in ("D", "sigma", "Lambda", "G1", "pdf")
     },
     "of one direction": (NDF.D, W[0]),
-    "of an own density": (OWN.Lambda, W),
+    "of an own density": (lambda w: own().Lambda(w), W),
     "G2": (lambda w: NDF.G2(w, W[::-1]), W),
     "D_visible": (lambda w: NDF.D_visible(W, w), W),
     "pdf_visible": (lambda w: NDF.pdf_visible(w, w), W),
@@ -103,10 +103,14 @@ CALLS: dict[str, tuple[Callable[[Any], Any], Any]] = {
         lambda m: np.array([*mf.fit_table(mean_square_slopes=m)[0].params.values()]),
         XI[0, :2] / 10,
     ),
-    "samples of an own density": (lambda v: mf.RadialNDF((RADII, v), alpha=0.4).D(W), np.exp(-(RADII**2))),
     "heights": (lambda h: mf.Surface(h, (1e-6, 2e-6)).heights, RNG.normal(size=(9, 8))),
     "pixel sizes": (lambda s: np.array(mf.Surface(np.eye(9), s).pixel_size), np.array([1e-6, 2e-6])),
 }
+
+
+@cache
+def own() -> mf.RadialNDF:
+    return mf.RadialNDF((RADII, np.exp(-(RADII**2))), alpha=0.4)
 
 
 def plain(result: Any) -> list[Any]:
@@ -119,6 +123,12 @@ def test_every_form_of_an_array_gives_the_same(name: str, form: str) -> None:
     call, array = CALLS[name]
     for found, expected in zip(plain(call(FORMS[form](array))), plain(call(array)), strict=True):
         np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("form", ["list", "__array_ufunc__", "pandas"])
+def test_an_own_density_is_made_of_any_samples(form: str) -> None:
+    given = (FORMS[form](RADII), FORMS[form](np.exp(-(RADII**2))))
+    np.testing.assert_array_equal(mf.RadialNDF(given, alpha=0.4).D(W), own().D(W))
 
 
 @pytest.mark.parametrize(
