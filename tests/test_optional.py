@@ -14,7 +14,8 @@ import pytest
 from microfacet._optional import EXTRAS, installed, needed, require, sentence
 
 ROOT = pathlib.Path(__file__).parent.parent
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = PYPROJECT["project"]
 LIBRARIES = sorted({library for libraries in EXTRAS.values() for library in libraries})
 
 # What a process begins with that shall not find them: neither does `find_spec`.
@@ -41,12 +42,16 @@ def requirements(extra: str) -> set[str]:
         if own := re.fullmatch(r"microfacet\[(.*)\]", requirement):
             found |= set().union(*map(requirements, own[1].split(",")))
         else:
-            found.add(re.split(r"[\[<>=~!; ]", requirement)[0])
+            found.add(named(requirement))
     return found
 
 
+def named(requirement: str) -> str:
+    return re.split(r"[\[<>=~!; ]", requirement)[0]
+
+
 def test_the_base_install_is_numpy_and_scipy() -> None:
-    assert [re.split("[<>=]", name)[0] for name in PROJECT["dependencies"]] == ["numpy", "scipy"]
+    assert [named(requirement) for requirement in PROJECT["dependencies"]] == ["numpy", "scipy"]
 
 
 def test_extras_bring_what_the_sentences_promise() -> None:
@@ -55,6 +60,21 @@ def test_extras_bring_what_the_sentences_promise() -> None:
         missing = {*libraries} - {"drjit"} - requirements(extra)  # Mitsuba brings Dr.Jit
         assert not missing, f"{extra} does not bring {missing}"
     assert set(LIBRARIES) - {"drjit"} <= requirements("all")
+
+
+def test_make_installs_what_the_report_and_the_tests_need() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    (package,) = re.findall(
+        r"^\$\(VENV\)/\.package:.*\n(?:\t.*\n)*?\t.*pip.* (\S+)$", makefile, re.MULTILINE | re.I
+    )
+    assert package == '".[report]"'
+    (tests,) = re.findall(r"^\$\(VENV\)/\.test:.*\n\t(.*)$", makefile, re.MULTILINE)
+    assert "--group test" in tests
+    assert "optional-dependencies surface" in tests
+    group = {named(requirement) for requirement in PYPROJECT["dependency-groups"]["test"]}
+    assert requirements("all") <= requirements("report") | requirements("surface") | group | {"distributed"}
+    (dask,) = [text for text in PYPROJECT["dependency-groups"]["test"] if text.startswith("dask")]
+    assert "distributed" in dask
 
 
 @pytest.mark.parametrize("library", LIBRARIES)
