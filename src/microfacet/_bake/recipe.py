@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 
 import microfacet as mf
 
-__all__ = ["KINDS", "Recipe", "grid", "recipe"]
+__all__ = ["KINDS", "Recipe", "grid", "names_of", "recipe"]
 
 KINDS = ("albedo", "energy", "bsdf")
 MATERIALS = ("conductor", "dielectric")
+PROVENANCE = ("command", "date", "version", "numpy")  # recorded besides the recipe
 Grid = tuple[float, ...]
 
 
@@ -69,6 +70,16 @@ class Recipe:
         return dict.fromkeys([*names, "multiple_error"], True)
 
     @property
+    def attributes(self) -> dict[str, Any]:
+        """What is stated with the results, besides the grids."""
+        stated: dict[str, Any] = {"kind": self.kind, "family": self.family, "material": self.material}
+        if self.material == "conductor":
+            stated |= {"eta": next(iter(self.eta), None), "k": self.k}
+        if self.scattering:
+            stated["scattering"] = self.scattering
+        return stated | {"walks": self.walks, "seed": self.seed}
+
+    @property
     def cells(self) -> int:
         """How many there are."""
         return math.prod(len(axis) for axis in self.outer.values())
@@ -77,6 +88,11 @@ class Recipe:
     def cell_shape(self) -> tuple[int, ...]:
         """Of the arrays in a cell."""
         return tuple(len(axis) for axis in self.inner.values())
+
+    @property
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Of all arrays in a cell, by name."""
+        return {name: self.cell_shape if directional else () for name, directional in self.variables.items()}
 
     @property
     def bytes(self) -> int:
@@ -106,6 +122,16 @@ class Recipe:
         return {key: list(v) if isinstance(v, tuple) else v for key, v in asdict(self).items()}
 
 
+def names_of(kind: str, family: str, material: str) -> tuple[set[str], set[str]]:
+    """The arrays and the attributes of a table of this kind."""
+    what = Recipe(
+        _one_of("kind", kind, KINDS), family, _one_of("material", material, MATERIALS),
+        alpha=(), shape_name=_shape_name(family), shape=(), eta=(), k=0.0, cos_theta=(), azimuth=(),
+        scattering="single" if kind == "bsdf" else "", walks=1, seed=0,
+    )  # fmt: skip
+    return {*what.variables, *what.outer, *what.inner}, {*what.attributes, *PROVENANCE}
+
+
 def grid(name: str, values: ArrayLike) -> Grid:
     """Increasing, finite numbers; or one sentence that says what is wrong."""
     try:
@@ -133,17 +159,15 @@ def recipe(
     seed: int,
 ) -> Recipe:
     """The recipe of these arguments, or one sentence that says which of them is wrong."""
-    known = {entry.name: entry for entry in mf.families()}
+    shape_name = _shape_name(family)
     _one_of("kind", kind, KINDS)
-    _one_of("family", family, known)
     _one_of("material", material, MATERIALS)
     _one_of("scattering", scattering, ("single", "multiple"))
     for name, value, lowest in (("walks", walks, 1), ("seed", seed, 0)):
         if not isinstance(value, int | np.integer) or isinstance(value, bool) or not lowest <= value < 2**32:
             raise ValueError(f"bake: {name} must be a whole number in [{lowest}, 2**32), got {value!r}")
-    names = [parameter.name for parameter in known[family].parameters if parameter.name != "alpha"]
-    if bool(names) != (shape is not None):
-        text = f"needs {names[0]}, its shape" if names else "has no shape parameter"
+    if bool(shape_name) != (shape is not None):
+        text = f"needs {shape_name}, its shape" if shape_name else "has no shape parameter"
         raise ValueError(f"bake: {family} {text}")
     if material == "dielectric" and eta is None:
         raise ValueError("bake: a dielectric needs eta")
@@ -154,8 +178,8 @@ def recipe(
     result = Recipe(
         kind, family, material,
         alpha=grid("alpha", alpha),
-        shape_name=names[0] if names else "",
-        shape=grid(names[0], shape) if names and shape is not None else (),
+        shape_name=shape_name,
+        shape=() if shape is None else grid(shape_name, shape),
         eta=grid("eta", np.inf if eta is None else eta),
         k=float(k),
         cos_theta=grid("cos_theta", cos_theta),
@@ -174,7 +198,15 @@ def recipe(
     return result
 
 
-def _one_of(name: str, value: object, allowed: Iterable[str]) -> None:
+def _shape_name(family: str) -> str:
+    """Of the family's shape parameter, or empty."""
+    known = {entry.name: entry for entry in mf.families()}
+    parameters = known[_one_of("family", family, known)].parameters
+    return next((parameter.name for parameter in parameters if parameter.name != "alpha"), "")
+
+
+def _one_of(name: str, value: str, allowed: Iterable[str]) -> str:
     names = list(allowed)
     if value not in names:
         raise ValueError(f"bake: {name} must be one of {', '.join(names)}, got {value!r}")
+    return value

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import shutil
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from datetime import UTC, datetime
@@ -18,13 +17,12 @@ import microfacet as mf
 from microfacet._bake.cell import compute
 from microfacet._bake.journal import Journal, provenance
 from microfacet._bake.recipe import Recipe, recipe
-from microfacet._optional import needed, require
+from microfacet._bake.store import put, require_replaceable
 
 __all__ = ["bake"]
 
 Array = NDArray[np.float64]
 Cells = Iterator[tuple[int, dict[str, Array]]]
-SUFFIXES = {".nc": "h5netcdf", ".zarr": "zarr"}  # and the libraries that write them
 
 
 def bake(
@@ -116,16 +114,17 @@ def bake(
         cells = dict(_told(_compute(what, range(what.cells), threads, dask), what, 0, progress))
         return _dataset(xarray, what, cells, origin)
     target = Path(os.path.realpath(output))
-    _require_writable(target)
-    journal = Journal(target, what, origin)
-    cells = journal.done()
-    missing = [cell for cell in range(what.cells) if cell not in cells]
-    for cell, values in _told(_compute(what, missing, threads, dask), what, len(cells), progress):
-        journal.keep(cell, values)
-        cells[cell] = values
-    table = _dataset(xarray, what, cells, journal.provenance)
-    _write(table, target, what, journal.folder)
-    journal.remove()
+    require_replaceable(target)
+    _require_writers()
+    with Journal(target, what, origin).opened() as journal:
+        cells = journal.done()
+        missing = [cell for cell in range(what.cells) if cell not in cells]
+        for cell, values in _told(_compute(what, missing, threads, dask), what, len(cells), progress):
+            journal.keep(cell, values)
+            cells[cell] = values
+        table = _dataset(xarray, what, cells, journal.provenance)
+        _write(table, target, what, journal)
+        journal.remove()
     return table
 
 
@@ -167,14 +166,8 @@ def _dataset(xarray: Any, what: Recipe, cells: dict[int, dict[str, Array]], orig
         stacked = np.stack([cells[cell][name] for cell in range(what.cells)])
         dims = (*what.outer, *(what.inner if directional else ()))
         variables[name] = (dims, stacked.reshape(*outer, *stacked.shape[1:]))
-    attributes: dict[str, Any] = {"kind": what.kind, "family": what.family, "material": what.material}
-    if what.material == "conductor":
-        attributes |= {"eta": what.eta[0], "k": what.k}
-    if what.scattering:
-        attributes["scattering"] = what.scattering
-    attributes |= {"walks": what.walks, "seed": what.seed, **origin}
     coordinates = {name: np.array(axis) for name, axis in (what.outer | what.inner).items()}
-    return xarray.Dataset(variables, coordinates, attributes)
+    return xarray.Dataset(variables, coordinates, what.attributes | origin)
 
 
 def _chunks(what: Recipe) -> dict[str, int]:
@@ -196,29 +189,24 @@ def _xarray() -> Any:
     return xarray
 
 
-def _require_writable(target: Path) -> None:
+def _require_writers() -> None:
     """Find out before hours of computing whether their result can be written."""
-    if target.suffix not in SUFFIXES:
-        raise ValueError(f"output must end in {' or '.join(SUFFIXES)}, got {str(target)!r}")
-    if not target.parent.is_dir():
-        raise ValueError(f"output must lie in a folder that exists, got {str(target)!r}")
-    with needed(f"writing {target.suffix} needs"):
-        importlib.import_module(SUFFIXES[target.suffix])
+    try:
+        import h5netcdf  # noqa: F401
+        import zarr  # noqa: F401
+    except ImportError:
+        raise ImportError("writing tables needs zarr and h5netcdf: pip install 'microfacet[bake]'") from None
 
 
-def _write(table: Any, target: Path, what: Recipe, folder: Path) -> None:
-    """Into `folder`, a neighbour; what is whole then takes the place of what was there."""
+def _write(table: Any, target: Path, what: Recipe, journal: Journal) -> None:
+    """Beside the cells; what is whole then takes the place of what was there."""
     chunks = _chunks(what)
     shapes = {name: tuple(chunks[dim] for dim in variable.dims) for name, variable in table.data_vars.items()}
-    new, old = folder / f"new{target.suffix}", folder / "old"
-    shutil.rmtree(new, ignore_errors=True)  # of a run that was killed here
+    new = journal.place(f"new{target.suffix}")
     if target.suffix == ".nc":
         encoding = {name: {"chunksizes": shape, "zlib": True} for name, shape in shapes.items()}
         table.to_netcdf(new, engine="h5netcdf", encoding=encoding)
     else:
         encoding = {name: {"chunks": shape} for name, shape in shapes.items()}
         table.to_zarr(new, mode="w", zarr_format=2, consolidated=True, encoding=encoding)
-    if target.is_dir():
-        shutil.rmtree(old, ignore_errors=True)
-        target.rename(old)
-    new.replace(target)
+    put(new, target, journal.folder / "old")
