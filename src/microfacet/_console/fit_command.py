@@ -11,7 +11,8 @@ from typing import Any
 
 import click
 
-from microfacet._console.program import progress, where
+from microfacet._console.program import progress, say
+from microfacet._text import printable
 
 __all__ = ["fit_files", "fit_options"]
 
@@ -112,7 +113,7 @@ def _several(files: Sequence[str], outcomes: Sequence[Any], as_json: bool) -> in
     else:
         fit_tables.files(tables.console(), files, outcomes)
     for failure in failed:
-        click.echo(f"microfacet: {failure.error}", err=True)
+        say(failure.error)
     return 2 if failed else 0
 
 
@@ -122,9 +123,9 @@ def _tables(fitted: Any) -> None:
     first = fitted.results[0]
     at = "" if first.lag is None else f" at lag {first.lag}"
     worth = f", worth {first.n_effective:.0f} independent ones" if first.n_effective < first.n else ""
-    click.echo(f"{fitted.source}: {first.n} slopes{at}{worth}", err=True)
+    click.echo(f"{printable(fitted.source)}: {first.n} slopes{at}{worth}", err=True)
     for note in (*fitted.steps, *fitted.notes):
-        click.echo(f"  {note}", err=True)
+        click.echo(f"  {printable(note, 400)}", err=True)
     out = tables.console()
     fit_tables.ranking(out, fitted.results)
     click.echo()

@@ -11,9 +11,8 @@ import click
 import microfacet as mf
 from microfacet import _render
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import families_option, json_option, progress, where
-from microfacet._console.render import look_options, warn, writable
-from microfacet._optional import require
+from microfacet._console.program import families_option, json_option, progress, say
+from microfacet._console.render import look_options, writable
 
 __all__ = ["gallery"]
 
@@ -111,7 +110,7 @@ def gallery(
     ]
     require("the labels of a gallery need", "plot")
     begin = time.monotonic()
-    used = _render.start(variant, warn)
+    used = _render.start(variant, say)
     cells[0].check()
     pictures = []
     with progress() as tell:

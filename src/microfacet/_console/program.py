@@ -10,12 +10,13 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from difflib import get_close_matches
-from pathlib import Path
+from contextlib import contextmanager, suppress
 from typing import Any, NoReturn
 
 import click
+
+from microfacet._console import streams
+from microfacet._text import printable
 
 __all__ = [
     "NumbersCommand",
@@ -25,6 +26,7 @@ __all__ = [
     "json_option",
     "parameter_options",
     "progress",
+    "say",
     "surface_options",
     "view_options",
     "where",
@@ -36,6 +38,7 @@ Command = Callable[..., Any]
 class Program(click.Group):
     """A group whose errors are one sentence, whatever raised them."""
 
+    @streams.standard()
     def main(self, *args: Any, **options: Any) -> NoReturn:
         """Run, and turn the errors that a user can cause into exit statuses."""
         options["standalone_mode"] = False
@@ -51,6 +54,8 @@ class Program(click.Group):
             sys.exit(130)
         except (ValueError, ImportError) as error:
             _fail(str(error))
+        except MemoryError as error:
+            _fail(": ".join(filter(None, ("there is not enough memory", str(error)))))
         except OSError as error:
             _fail(": ".join(str(part) for part in (error.filename, error.strerror or error) if part))
         sys.exit(status if isinstance(status, int) else 0)
@@ -60,9 +65,8 @@ class Program(click.Group):
         try:
             value = super().invoke(ctx)
             sys.stdout.flush()
-        except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            ctx.exit(141)  # 128 + SIGPIPE, what a shell reports
+        except BrokenPipeError:  # click itself would end with 1
+            ctx.exit(streams.READER_LEFT)
         return value
 
 
@@ -114,8 +118,14 @@ def _stand_in_for_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115  # for as long as the process lives
 
 
+def say(message: str) -> None:
+    """One sentence on stderr, whatever of files and arguments it quotes; without a stderr, none."""
+    with suppress(OSError):
+        click.echo("microfacet: " + printable(" ".join(message.split()), 1000), err=True)
+
+
 def _fail(message: str) -> NoReturn:
-    click.echo("microfacet: " + " ".join(message.split()), err=True)
+    say(message)
     sys.exit(2)
 
 
@@ -252,9 +262,14 @@ def progress() -> Iterator[Callable[[str, int, int], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.description}", markup=False),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=None)
         yield lambda what, done, total: bar.update(
-            task, description=what, completed=done, total=total or None
+            task, description=printable(what), completed=done, total=total or None
         )

@@ -15,12 +15,15 @@ import click
 import microfacet as mf
 from microfacet import _render
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import axes_options, json_option, parameter_options, progress, where
+from microfacet._console.program import axes_options, json_option, parameter_options, progress, say
+from microfacet._files import read_json
+from microfacet._text import listed
 
-__all__ = ["look_options", "render", "warn", "writable"]
+__all__ = ["look_options", "render", "writable"]
 
 Command = Callable[..., Any]
 LARGEST = 4096
+LONGEST_FIT = 2**24  # characters; a fit prints some ten thousand
 
 
 class _Size(click.ParamType[tuple[int, int]]):
@@ -73,11 +76,6 @@ def look_options(command: Command) -> Command:
         )
 
     return wrapped
-
-
-def warn(sentence: str) -> None:
-    """A sentence on stderr."""
-    click.echo(f"microfacet: {sentence}", err=True)
 
 
 def writable(path: str, formats: tuple[str, ...]) -> str:
@@ -151,7 +149,7 @@ def render(
     ndf = stretched(family_named(family), parameters)
     look = _render.Look(family, ndf.parameters, material, ior, scattering)
     begin = time.monotonic()
-    used = _render.start(variant, warn)
+    used = _render.start(variant, say)
     look.check()
     with progress() as tell:
         radiance = _render.render(
@@ -179,14 +177,14 @@ def render(
 def _of_fit(stream: TextIO, chosen: str | None) -> tuple[str, dict[str, float]]:
     """Family and parameters from the JSON of a fit."""
     try:
-        ranking: list[Mapping[str, Any]] = json.load(stream)["ranking"]
+        ranking: list[Mapping[str, Any]] = read_json(stream, LONGEST_FIT)["ranking"]
         found = {str(entry["family"]): {k: float(v) for k, v in entry["params"].items()} for entry in ranking}
         best = next(iter(found))
-    except (ValueError, KeyError, TypeError, AttributeError, StopIteration):
+    except (ValueError, LookupError, TypeError, AttributeError, OverflowError, StopIteration):
         name = getattr(stream, "name", "-")
         raise click.UsageError(
             f"--fit takes what `microfacet fit FILE --json` printed: {name!r} is not"
         ) from None
     if chosen is not None and chosen not in found:
-        raise click.UsageError(f"--family must be one of the fit's {', '.join(found)}, got {chosen!r}")
+        raise click.UsageError(f"--family must be one of the fit's {listed(found)}, got {chosen!r}")
     return chosen or best, found[chosen or best]

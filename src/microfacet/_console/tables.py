@@ -7,19 +7,20 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from microfacet._checks import CheckItem, CheckResult
 from microfacet._console.evaluate import Evaluation
-from microfacet._docs import QUANTITIES
-from microfacet._optional import needed
-
-if TYPE_CHECKING:
-    from microfacet._checks import CheckItem, CheckResult
-
-with needed("tables need"):
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
+from microfacet._text import printable
 
 __all__ = ["checks", "console", "evaluation", "families", "show", "summary"]
+
+LONGEST_CELL = 1000
+_INPUTS = {"P22": ("p", "q"), "P2": ("p",), "slope_cdf": ("p",), "survival": ("r",), "sample_slope": ("xi",)}
+_INPUTS["sample_u"] = ("xi",)
 
 
 def console() -> Console:
@@ -121,11 +122,12 @@ def show(out: Console, headings: Sequence[str], rows: Sequence[Sequence[str]], l
     """A table on a terminal; elsewhere tab-separated lines, which tools read. `left` columns are text."""
     if not out.is_terminal:
         for line in (headings, *rows):
-            out.file.write("\t".join(line) + "\n")  # rich would expand the tabs
+            cells = (printable(cell, LONGEST_CELL) for cell in line)
+            out.file.write("\t".join(cells) + "\n")  # rich would expand the tabs
         return
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for i, heading in enumerate(headings):
         table.add_column(heading, justify="left" if i < left else "right", overflow="fold")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(Text(printable(cell, LONGEST_CELL)) for cell in row))  # names of files are no markup
     out.print(table)
