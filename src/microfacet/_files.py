@@ -126,7 +126,8 @@ def _open_file(path: str) -> int | None:
 @contextmanager
 def _neighbour(target: str, old: os.stat_result | None, mode: int) -> Iterator[BinaryIO]:
     """A new file beside `target` that takes its place once it is whole."""
-    if old is not None and not os.access(target, os.W_OK):
+    effective = os.access in os.supports_effective_ids
+    if old is not None and not os.access(target, os.W_OK, effective_ids=effective):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), target)
     folder, name = os.path.split(target)
     new = os.path.join(folder, f".{name[:40]}.{secrets.token_hex(6)}.part")

@@ -172,6 +172,7 @@ def _compile(compiler: Compiler, variant: str, target: Path) -> None:
         linked = Path(scratch) / target.name
         arguments = [*map(str, objects), *link_flags(), "-o", str(linked)]
         _run(compiler, arguments, f"link the plugins for {variant}")
+        linked.chmod(0o755)  # whatever the umask: what others can write is not loaded
         os.replace(linked, target)
 
 

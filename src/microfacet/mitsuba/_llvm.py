@@ -13,12 +13,12 @@ import os
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from glob import glob
 from pathlib import Path
 
 import drjit
 
-from microfacet._files import replacing
 from microfacet.mitsuba import _cache, _check
 
 __all__ = ["usable"]
@@ -58,18 +58,14 @@ def usable() -> tuple[bool, str]:
     """
     remembered = _cache.directory() / f"llvm-{_surroundings()}.json"
     try:
-        if json.loads(remembered.read_text(encoding="utf-8")) is True:
+        if _cache.read_private(remembered) is True:
             return True, ""
     except (OSError, ValueError):
         pass
     works, reason = _try()
     if works:
-        try:
-            remembered.parent.mkdir(parents=True, exist_ok=True)
-            with replacing(remembered) as stream:
-                stream.write(b"true\n")
-        except OSError:
-            pass  # it is only quicker with a memory
+        with suppress(OSError, ImportError):  # it is only quicker with a memory
+            _cache.write_private(remembered, True)
     return works, reason
 
 
