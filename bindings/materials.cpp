@@ -126,7 +126,8 @@ bool add_materials(PyObject* space, const material_family& family) {
   for (const material_operation& op : operations) {
     auto* ufunc = new material_ufunc{&op, family};
     const block_plan plan{op.values, ufunc->inputs(), op.outputs, true};
-    if (!add_ufunc(space, op.name, op.name, plan, ufunc, {&material_loop<float>, &material_loop<double>}))
+    if (!add_ufunc(space, op.name, op.name, plan, ufunc,
+                   {&guarded<&material_loop<float>>, &guarded<&material_loop<double>>}))
       return false;
   }
   return true;

@@ -2,6 +2,7 @@
 // for each instruction set, as a module of its own (MICROFACET_MODULE), so that no inline function of one
 // build can stand in for another's; microfacet._core chooses.
 #define MICROFACET_IMPORT_NUMPY
+#include <new>
 #include <string>
 
 #include "family_for_materials.hpp"
@@ -173,9 +174,11 @@ PyMODINIT_FUNC MICROFACET_INIT(MICROFACET_MODULE)() {
   import_umath();
   PyObject* module = PyModule_Create(&microfacet::bindings::definition);
   if (module == nullptr) return nullptr;
-  if (microfacet::bindings::add_families(module, microfacet::all_families()) == nullptr) {
-    Py_DECREF(module);
-    return nullptr;
+  try {
+    if (microfacet::bindings::add_families(module, microfacet::all_families()) != nullptr) return module;
+  } catch (const std::bad_alloc&) {
+    PyErr_NoMemory();
   }
-  return module;
+  Py_DECREF(module);
+  return nullptr;
 }

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <new>
 #include <string>
 
 #include "blocks.hpp"
@@ -27,6 +28,19 @@ inline bool add(PyObject* space, const char* name, PyObject* value) {
   const int status = PyObject_SetAttrString(space, name, value);
   Py_DECREF(value);
   return status == 0;
+}
+
+// C calls a loop, without the GIL unless it is short: no exception may leave it. Python is told where memory
+// ends, and NumPy looks for that after the loop.
+template <PyUFuncGenericFunction Loop>
+void guarded(char** args, const npy_intp* dimensions, const npy_intp* steps, void* data) {
+  try {
+    Loop(args, dimensions, steps, data);
+  } catch (const std::bad_alloc&) {
+    const PyGILState_STATE state = PyGILState_Ensure();
+    PyErr_NoMemory();
+    PyGILState_Release(state);
+  }
 }
 
 // NumPy keeps pointers to these for as long as the ufunc lives, which is until Python ends.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <string_view>
 #include <unordered_map>
 
@@ -88,6 +89,18 @@ struct radial_tag {
 
 struct python_error {};
 
+// What `make` gives Python: nothing, with Python's error set, where something is thrown.
+template <class Make>
+PyObject* for_python(const Make& make) {
+  try {
+    return make();
+  } catch (const python_error&) {
+    return nullptr;
+  } catch (const std::bad_alloc&) {
+    return PyErr_NoMemory();
+  }
+}
+
 // The user's function at n slopes exp(L): Python is given the logarithms.
 inline auto python_function(PyObject* function) {
   return [function](const double* L, double* f, int n) {
@@ -116,20 +129,25 @@ inline auto python_function(PyObject* function) {
 // (capsule, handle): the entry lives as long as the capsule.
 inline PyObject* registered(std::shared_ptr<radial_entry> entry) {
   entry->narrow.build(sampled_view<double>(entry->wide));
-  auto* handle = new double(radial_registry::instance().add(std::move(entry)));
-  PyObject* capsule = PyCapsule_New(handle, "microfacet.radial", [](PyObject* c) {
+  auto handle = std::make_unique<double>();
+  *handle = radial_registry::instance().add(std::move(entry));
+  PyObject* capsule = PyCapsule_New(handle.get(), "microfacet.radial", [](PyObject* c) {
     auto* named = static_cast<double*>(PyCapsule_GetPointer(c, "microfacet.radial"));
     radial_registry::instance().remove(*named);
     delete named;
   });
-  return capsule == nullptr ? nullptr : Py_BuildValue("(Nd)", capsule, *handle);
+  if (capsule == nullptr) {
+    radial_registry::instance().remove(*handle);
+    return nullptr;
+  }
+  return Py_BuildValue("(Nd)", capsule, *handle.release());
 }
 
 inline PyObject* build_radial(PyObject*, PyObject* arguments) {
   PyObject *density, *above;
   double lower, upper, at_zero;
   if (!PyArg_ParseTuple(arguments, "OdddO", &density, &lower, &upper, &at_zero, &above)) return nullptr;
-  try {
+  return for_python([&]() -> PyObject* {
     const auto family = std::make_unique<sampled>(python_function(density), lower, upper, at_zero,
                                                   above != Py_None, python_function(above));
     if (!(family->norm() > 0 && family->norm() < inf))
@@ -138,9 +156,7 @@ inline PyObject* build_radial(PyObject*, PyObject* arguments) {
     entry->wide.build(*family);
     const double error = entry->wide.error();
     return Py_BuildValue("(Ndd)", registered(std::move(entry)), family->norm(), error);
-  } catch (const python_error&) {
-    return nullptr;
-  }
+  });
 }
 
 // Tables are plain values: their bytes, behind a word that says which layout.
@@ -158,14 +174,16 @@ inline PyObject* dump_radial(PyObject*, PyObject* handle) {
   return bytes;
 }
 inline PyObject* load_radial(PyObject*, PyObject* bytes) {
-  auto entry = std::make_shared<radial_entry>();
-  static_assert(std::is_trivially_copyable_v<sampled_tables<double>>);
-  if (!PyBytes_Check(bytes) ||
-      PyBytes_GET_SIZE(bytes) != static_cast<Py_ssize_t>(radial_magic.size() + sizeof entry->wide) ||
-      std::memcmp(PyBytes_AS_STRING(bytes), radial_magic.data(), radial_magic.size()) != 0)
-    return PyErr_Format(PyExc_ValueError, "these bytes are no density of this version");
-  std::memcpy(&entry->wide, PyBytes_AS_STRING(bytes) + radial_magic.size(), sizeof entry->wide);
-  return registered(std::move(entry));
+  return for_python([bytes]() -> PyObject* {
+    auto entry = std::make_shared<radial_entry>();
+    static_assert(std::is_trivially_copyable_v<sampled_tables<double>>);
+    if (!PyBytes_Check(bytes) ||
+        PyBytes_GET_SIZE(bytes) != static_cast<Py_ssize_t>(radial_magic.size() + sizeof entry->wide) ||
+        std::memcmp(PyBytes_AS_STRING(bytes), radial_magic.data(), radial_magic.size()) != 0)
+      return PyErr_Format(PyExc_ValueError, "these bytes are no density of this version");
+    std::memcpy(&entry->wide, PyBytes_AS_STRING(bytes) + radial_magic.size(), sizeof entry->wide);
+    return registered(std::move(entry));
+  });
 }
 
 inline bool add_radial(PyObject* space) {

@@ -202,7 +202,7 @@ bool add_all(PyObject* space, const char* prefix) {
   return (add_ufunc(space, std::string(prefix) + Operation::name, Operation::name,
                     kernels_of_operation<Model, Operation, WideParameters>.plan,
                     &kernels_of_operation<Model, Operation, WideParameters>,
-                    {&loops::template loop<float>, &loops::template loop<double>}) &&
+                    {&guarded<&loops::template loop<float>>, &guarded<&loops::template loop<double>>}) &&
           ...);
 }
 

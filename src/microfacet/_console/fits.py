@@ -125,6 +125,8 @@ def attempt(job: Job) -> Fitted | Failure:
         return replace(job.run(), surface=None, slopes=None)
     except (ValueError, ImportError, OSError) as error:
         return Failure(job.file, " ".join(str(error).split()))
+    except MemoryError:
+        return Failure(job.file, f"{job.file}: there is not enough memory")
 
 
 def _attempt(job: Job, tell: Tell, done: int, total: int) -> Fitted | Failure:
