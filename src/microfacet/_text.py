@@ -20,7 +20,7 @@ def printable(text: object, most: int = 60) -> str:
     return line if len(line) <= most else line[: most - 3] + "..."
 
 
-def listed(names: Iterable[object], most: int = 10) -> str:
+def listed(names: Iterable[object], most: int = 8) -> str:
     """The first few names, separated by commas."""
-    shown = [printable(name, 40) for name, _ in zip(names, range(most + 1), strict=False)]
+    shown = [printable(name, 24) for name, _ in zip(names, range(most + 1), strict=False)]
     return ", ".join(shown[:most]) + (", ..." if len(shown) > most else "")

@@ -142,4 +142,4 @@ def _command() -> str:
     """The command line that was typed, for a report that says how it came about."""
     import shlex
 
-    return shlex.join(["microfacet", *sys.argv[1:]])
+    return printable(shlex.join(["microfacet", *sys.argv[1:]]), 4000)

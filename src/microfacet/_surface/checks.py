@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet._text import printable
+
 __all__ = [
     "MAX_PIXELS",
     "METRES_PER_UNIT",
@@ -59,7 +61,10 @@ def pixel_sizes(value: Any) -> tuple[float, float]:
 
 
 def height_array(heights: ArrayLike) -> NDArray[np.float64]:
-    """A float64 copy; ints become floats, everything that is not a real 2-D map is refused."""
+    """A float64 copy; ints become floats, everything that is not a real 2-D map is refused.
+
+    A copy of what nobody writes to would only take memory: float64 that is read-only and no view stays.
+    """
     try:
         array = np.asarray(heights)
     except (TypeError, ValueError):  # rows of different lengths
@@ -70,6 +75,9 @@ def height_array(heights: ArrayLike) -> NDArray[np.float64]:
         raise SurfaceError(f"heights must be a 2-D map of at least 3 x 3 pixels, got shape {array.shape}")
     if array.size > MAX_PIXELS:
         raise SurfaceError(f"a map of {array.shape} exceeds the limit of {MAX_PIXELS} pixels")
+    flags = array.flags
+    if array.dtype == np.float64 and flags.owndata and flags.c_contiguous and not flags.writeable:
+        return array
     with np.errstate(over="ignore"):  # a longdouble beyond float64 becomes inf, that is, invalid
         return np.array(array, dtype=np.float64, order="C")
 
@@ -85,8 +93,7 @@ def checked_lag(lag: Any) -> int:
 
 
 def short(value: object) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."
+    return printable(" ".join(repr(value).split()))
 
 
 def positive(value: Any, what: str) -> float:
@@ -120,7 +127,13 @@ def checked_file(file: Path) -> Iterator[None]:
             raise SurfaceError(f"the file has {status.st_size} bytes, the limit is {MAX_FILE_BYTES}")
         yield
     except SurfaceError as error:
-        raise SurfaceError(f"{file}: {error}") from None
+        raise SurfaceError(f"{_one_line(file, 5000)}: {_one_line(error, 350)}") from None
+    except MemoryError as error:
+        raise SurfaceError(f"{_one_line(file, 5000)}: there is not enough memory for it") from error
     except Exception as error:
-        reason = " ".join(str(error).split())[:200]
-        raise SurfaceError(f"{file}: cannot be read ({type(error).__name__}: {reason})") from error
+        reason = f"{type(error).__name__}: {_one_line(error, 200)}"
+        raise SurfaceError(f"{_one_line(file, 5000)}: cannot be read ({reason})") from error
+
+
+def _one_line(text: object, most: int) -> str:
+    return printable(" ".join(str(text).split()), most)

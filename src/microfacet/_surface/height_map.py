@@ -38,7 +38,8 @@ class HeightMap:
     def __post_init__(self) -> None:
         heights = height_array(self.heights)
         valid = np.isfinite(heights)
-        if np.abs(heights, where=valid, out=np.zeros_like(heights)).max() > 1e30:  # squares must stay finite
+        least, most = (find(heights, where=valid, initial=0.0) for find in (np.min, np.max))
+        if max(-least, most) > 1e30:  # squares must stay finite
             raise SurfaceError("heights must lie in [-1e30, 1e30] metres")
         if isinstance(self.heights, np.ma.MaskedArray):
             valid &= ~np.ma.getmaskarray(self.heights)
@@ -54,7 +55,9 @@ class HeightMap:
             raise SurfaceError(
                 f"the map has {np.count_nonzero(valid)} valid pixels of {valid.size}, at least 9 are needed"
             )
-        heights[~valid] = math.nan
+        if not np.array_equal(valid, ~np.isnan(heights)):
+            heights = heights if heights.flags.writeable else heights.copy()
+            heights[~valid] = math.nan
         heights.flags.writeable = valid.flags.writeable = False
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "mask", valid)

@@ -85,10 +85,10 @@ def one(names: list[str], wanted: int | str | None) -> int:
     for index, name in enumerate(names):
         if wanted is not None and wanted in (index, name):
             return index
-    listed = ", ".join(f"{index} ({name})" for index, name in enumerate(names))
+    listed = ", ".join(f"{index} ({name[:24]})" for index, name in enumerate(names))
     if wanted is None:
         raise Unusable(f"the image has {len(names)} channels, name the one of the heights: {listed}")
-    raise Unusable(f"there is no channel {wanted!r}, the image has {listed}")
+    raise Unusable(f"there is no channel {wanted!r:.60}, the image has {listed}")
 
 
 def triple(names: list[str]) -> list[int]:
@@ -96,7 +96,8 @@ def triple(names: list[str]) -> list[int]:
     for wanted in (("R", "G", "B"), ("X", "Y", "Z"), ("x", "y", "z")):
         if all(name in names for name in wanted):
             return [names.index(name) for name in wanted]
-    raise Unusable(f"a normal map has three channels R, G, B, and this image has {', '.join(names)}")
+    listed = ", ".join(name[:24] for name in names)
+    raise Unusable(f"a normal map has three channels R, G, B, and this image has {listed}")
 
 
 def geography(path: str) -> dict[str, Any]:

@@ -52,10 +52,10 @@ def select(reader: Any, wanted: int | str | None) -> Any:
     for channel in channels:
         if wanted in (channel.index, channel.name):
             if not is_height_map(channel):
-                raise Unusable(f"channel {wanted!r} is not a height map")
+                raise Unusable(f"channel {wanted!r:.60} is not a height map")
             return channel
-    listed = ", ".join(f"{channel.index} ({channel.name})" for channel in channels[:20])
-    raise Unusable(f"there is no channel {wanted!r}, the file has {listed}")
+    listed = ", ".join(f"{channel.index} ({channel.name[:24]})" for channel in channels[:8])
+    raise Unusable(f"there is no channel {wanted!r:.60}, the file has {listed}")
 
 
 def is_height_map(channel: Any) -> bool:

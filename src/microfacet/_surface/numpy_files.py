@@ -19,7 +19,7 @@ import numpy as np
 from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
-from microfacet._surface.checks import MAX_PIXELS, SurfaceError
+from microfacet._surface.checks import MAX_PIXELS, SurfaceError, short
 
 __all__ = ["MAX_ARCHIVE_BYTES", "check_archive", "is_npy", "npz_names", "read_npy", "read_npz"]
 
@@ -29,6 +29,7 @@ _MAX_MEMBERS = 10_000
 # A header is a short dict, however many bytes it claims to take; NumPy itself writes less than 1 KiB.
 _MAX_HEADER_BYTES = 2**16
 _MAX_ITEM_BYTES = 16
+_BLOCK = 2**20
 
 
 def is_npy(path: Path) -> bool:
@@ -60,7 +61,9 @@ def read_npz(path: Path, names: Collection[str]) -> dict[str, NDArray[Any]]:
             if name in names:
                 # The other methods are not NumPy's, and an LZMA header may ask for gigabytes.
                 if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                    raise SurfaceError(f"the array {name!r} is compressed by method {info.compress_type}")
+                    raise SurfaceError(
+                        f"the array {short(name)} is compressed by method {info.compress_type}"
+                    )
                 with archive.open(info) as member:
                     arrays[name] = _read_array(member, info.file_size)
     return arrays
@@ -98,13 +101,24 @@ def _read_array(file: IO[bytes], size: int) -> NDArray[Any]:
         raise SurfaceError(
             f"the header claims {needed} bytes of data ({dtype}, {shape}), only {size - start} are there"
         )
-    data = (
-        head[start:] + file.read(start + needed - len(head)) if start + needed > len(head) else head[start:]
-    )
-    if len(data) < needed:
-        raise SurfaceError(f"the file ends after {len(data)} of {needed} bytes of data")
-    array = np.frombuffer(data, dtype=dtype, count=count)
-    return array.reshape(shape, order="F" if fortran_order else "C")
+    array = np.empty(shape, dtype, order="F" if fortran_order else "C")
+    if needed:
+        got = _fill(array, head[start:], file)
+        if got < needed:
+            raise SurfaceError(f"the file ends after {got} of {needed} bytes of data")
+    array.flags.writeable = False  # nobody else has it: a Surface need not copy it
+    return array
+
+
+def _fill(array: NDArray[Any], first: bytes, file: IO[bytes]) -> int:
+    """As many bytes of `first`, and then of the file, as the array takes; how many there were."""
+    room = array.reshape(-1, order="A").view(np.uint8)
+    done = min(len(first), len(room))
+    room[:done] = np.frombuffer(first, np.uint8, count=done)
+    while block := file.read(min(_BLOCK, len(room) - done)):
+        room[done : done + len(block)] = np.frombuffer(block, np.uint8)
+        done += len(block)
+    return done
 
 
 def _parse_header(head: bytes) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:

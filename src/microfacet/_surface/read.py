@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet import _optional
-from microfacet._surface import images, library, numpy_files, text_files, x3p
-from microfacet._surface.checks import METRES_PER_UNIT, SurfaceError, checked_file, pixel_sizes
+from microfacet._surface import images, library, numpy_files, process, text_files, x3p
+from microfacet._surface.checks import METRES_PER_UNIT, SurfaceError, checked_file, pixel_sizes, short
 from microfacet._surface.surface import Surface
+from microfacet._text import listed, printable
 
 __all__ = ["read_surface"]
 
@@ -83,7 +83,7 @@ def read_surface(
     """
     file = Path(path)
     if unit is not None and unit not in METRES_PER_UNIT:
-        raise SurfaceError(f"unit must be one of {', '.join(METRES_PER_UNIT)}, got {unit!r}")
+        raise SurfaceError(f"unit must be one of {', '.join(METRES_PER_UNIT)}, got {short(unit)}")
     size = None if pixel_size is None else pixel_sizes(pixel_size)
     if height_scale is not None and (unit is not None or file.suffix.lower() not in images.SUFFIXES):
         raise SurfaceError("height_scale is for images, in metres per grey level and without a unit")
@@ -100,7 +100,10 @@ def read_surface(
                 or _from_text(file, channel, size, unit)
                 or _from_library(file, channel, size, unit)
             )
-        if np.ptp(surface.heights[surface.mask]) == 0:
+        valid: dict[str, Any] = {"where": surface.mask}
+        if np.min(surface.heights, initial=np.inf, **valid) == np.max(
+            surface.heights, initial=-np.inf, **valid
+        ):
             raise SurfaceError("all heights are equal, which leaves no slopes to look at")
         return surface
 
@@ -109,7 +112,7 @@ def _from_npy(
     file: Path, channel: int | str | None, size: tuple[float, float] | None, unit: str | None
 ) -> Surface:
     if channel is not None:
-        raise SurfaceError(f"a .npy file holds one array, so there is no channel {channel!r}")
+        raise SurfaceError(f"a .npy file holds one array, so there is no channel {short(channel)}")
     if size is None:
         raise SurfaceError(
             "a .npy file does not state the pixel size, give pixel_size (--pixel-size) in metres"
@@ -140,22 +143,22 @@ def _from_npz(
 def _npz_channel(names: list[str], channel: int | str | None) -> str:
     """The array that holds the heights: the named one, ``heights``, or the only one of an unknown name."""
     if channel is not None and not isinstance(channel, str):
-        raise SurfaceError(f"the channel of a .npz file is the name of an array, got {channel!r}")
+        raise SurfaceError(f"the channel of a .npz file is the name of an array, got {short(channel)}")
     wanted = channel or "heights"
     others = [name for name in names if name not in _NPZ_KEYS]
     if wanted in names:
         return wanted
     if channel is None and len(others) == 1:
         return others[0]
-    found = ", ".join(sorted(names)[:10]) or "nothing"
-    raise SurfaceError(f"there is no array {wanted!r} (found: {found}), name the heights with channel=")
+    found = listed(sorted(names)) or "nothing"
+    raise SurfaceError(f"there is no array {short(wanted)} (found: {found}), name the heights with channel=")
 
 
 def _from_x3p(
     file: Path, channel: int | str | None, size: tuple[float, float] | None, unit: str | None
 ) -> Surface:
     if channel not in (None, 0):
-        raise SurfaceError(f"a .x3p file holds one map, so there is no channel {channel!r}")
+        raise SurfaceError(f"a .x3p file holds one map, so there is no channel {short(channel)}")
     heights, stated = x3p.read_x3p(file)
     steps = () if size is None else ("pixel size given by the caller",)
     return _surface(file, heights, size or stated, _agreed_unit("m", unit) or "m", steps)
@@ -194,7 +197,7 @@ def _from_text(
                 return _from_library(file, channel, size, unit)
         raise SurfaceError("the text does not state the pixel size, give pixel_size (--pixel-size) in metres")
     if channel not in (None, 0):
-        raise SurfaceError(f"a grid of numbers is one map, so there is no channel {channel!r}")
+        raise SurfaceError(f"a grid of numbers is one map, so there is no channel {short(channel)}")
     grid = text_files.read_esri(file) if esri else text_files.read_plain(file)
     if grid.in_degrees and size is None:
         raise SurfaceError(
@@ -218,7 +221,7 @@ def _from_library(
     unit = _agreed_unit(found.unit, unit)
     if unit is None:
         raise SurfaceError("the file does not state its unit of length, give unit=, for example unit='um'")
-    steps: tuple[str, ...] = (f"read channel {found.channel!r} with SurfaceTopography",)
+    steps: tuple[str, ...] = (f"read channel {short(found.channel)} with SurfaceTopography",)
     if size is not None:
         steps += ("pixel size given by the caller",)
     elif found.pixel_size is not None:
@@ -248,5 +251,6 @@ def _surface(
     steps: tuple[str, ...],
     mask: NDArray[Any] | None = None,
 ) -> Surface:
-    surface = Surface(heights, size, mask, unit=unit, source=file.name, steps=steps)  # type: ignore[arg-type]
-    return replace(surface, heights=surface.heights * METRES_PER_UNIT[unit])
+    surface = Surface(heights, size, mask, unit=unit, source=printable(file.name, 255), steps=steps)  # type: ignore[arg-type]
+    factor = METRES_PER_UNIT[unit]
+    return surface if factor == 1.0 else replace(surface, heights=surface.heights * factor)

@@ -15,6 +15,7 @@ from numpy.typing import DTypeLike, NDArray
 from microfacet import _optional
 from microfacet._surface import images, numpy_files, process, text_files
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError, checked_file, short
+from microfacet._text import printable
 
 __all__ = ["SlopeSample", "read_normal_map", "read_slopes"]
 
@@ -88,6 +89,8 @@ def read_slopes(path: str | os.PathLike[str]) -> SlopeSample:
             raise SurfaceError(
                 f"slopes are two columns of real numbers, got {table.dtype} of shape {table.shape}"
             )
+        if len(table) > MAX_PIXELS:
+            raise SurfaceError(f"the file holds more than {MAX_PIXELS} slopes, which is the limit")
         values = table.astype(np.float64)
         finite = np.asarray(np.isfinite(values).all(axis=1))
         return _sample(file, values, finite, "rows", "which are not finite")
@@ -159,7 +162,7 @@ def _sample(
     if bad == len(values):
         raise SurfaceError(f"none of the {len(values)} {what} holds a slope")
     steps = (f"{bad} of {len(values)} {what} left out, {why}",) if bad else ()
-    return SlopeSample(values[good], file.name, steps)
+    return SlopeSample(values[good], printable(file.name, 255), steps)
 
 
 def _npz(file: Path) -> NDArray[Any]:

@@ -21,7 +21,8 @@ class Surface(HeightMap):
     """Heights on a rectangular grid of pixels, in metres.
 
     Column ``j`` lies at ``x = j dx`` and row ``i`` at ``y = i dy``: +x runs along the columns, +y up the rows
-    in the order in which they are stored, +z away from the material. The arrays are copies and read-only.
+    in the order in which they are stored, +z away from the material. The arrays are read-only; they are
+    copies, unless the heights are read-only when they are given, float64 and no view of another array.
 
     Parameters
     ----------

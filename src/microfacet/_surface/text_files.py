@@ -5,6 +5,7 @@ Memory is bounded: no line is read beyond a limit, and no more numbers than a ma
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import warnings
@@ -89,11 +90,13 @@ def read_plain(file: Path) -> TextGrid:
 
 
 def table(rows: Iterable[str], delimiter: str | None, most: int) -> NDArray[np.float64]:
-    """The numbers in at most so many rows, equally many in each."""
+    """The numbers in at most so many rows, equally many in each; empty ones and comments do not count."""
+    full = (row for row in rows if row.partition("#")[0].strip())
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # an empty line
+        warnings.simplefilter("ignore")  # there is no row
         try:
-            return np.loadtxt(rows, delimiter=delimiter, ndmin=2, max_rows=most)
+            # With max_rows NumPy would begin with room for all of them.
+            return np.loadtxt(itertools.islice(full, most), delimiter=delimiter, ndmin=2)
         except SurfaceError:
             raise
         except ValueError as error:

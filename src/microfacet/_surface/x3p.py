@@ -8,18 +8,22 @@ from __future__ import annotations
 
 import math
 import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import IO, Any
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet._surface.checks import MAX_PIXELS, SurfaceError
+from microfacet._surface.checks import MAX_PIXELS, SurfaceError, short
 from microfacet._surface.numpy_files import check_archive
 
 __all__ = ["read_x3p"]
 
 _MAX_XML_BYTES = 2**20
+_BLOCK = 2**20
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
@@ -30,7 +34,8 @@ def read_x3p(path: Path) -> tuple[NDArray[np.float64], tuple[float, float]]:
     """
     check_archive(path)
     with zipfile.ZipFile(path) as archive:
-        record = ElementTree.fromstring(_member(archive, "main.xml", _MAX_XML_BYTES))
+        with _opened(archive, "main.xml", _MAX_XML_BYTES) as index:
+            record = ElementTree.fromstring(index.read(_MAX_XML_BYTES))
         nx, ny, nz = (_size(record, f"Record3/MatrixDimension/Size{axis}") for axis in "XYZ")
         if nz != 1:
             raise SurfaceError(f"the file holds {nz} layers of heights, one is needed")
@@ -41,33 +46,46 @@ def read_x3p(path: Path) -> tuple[NDArray[np.float64], tuple[float, float]]:
         link = _text(record, "Record3/DataLink/PointDataLink")
         if link is None:
             raise SurfaceError("the file keeps its points as text or as a list, not as a binary matrix")
-        heights = np.frombuffer(_exactly(archive, link, nx * ny * dtype.itemsize), dtype).astype(np.float64)
+        heights = np.empty((ny, nx))
+        _fill(heights.reshape(-1), archive, link, dtype)
         heights *= _number(record, "Record1/Axes/CZ/Increment", 1.0)
         mask = _text(record, "Record3/DataLink/ValidPointsLink")
         if mask is not None:
-            bits = np.frombuffer(_exactly(archive, mask, (nx * ny + 7) // 8), np.uint8)
-            heights[np.unpackbits(bits, count=nx * ny, bitorder="little") == 0] = math.nan
-    return heights.reshape(ny, nx), pixel_size
+            bits = np.empty((nx * ny + 7) // 8, np.uint8)
+            _fill(bits, archive, mask, bits.dtype)
+            valid = np.unpackbits(bits, count=nx * ny, bitorder="little").view(np.bool_)
+            np.copyto(heights, math.nan, where=~valid.reshape(ny, nx))
+    heights.flags.writeable = False  # ours alone: a Surface need not copy it
+    return heights, pixel_size
 
 
-def _member(archive: zipfile.ZipFile, name: str, most: int) -> bytes:
+@contextmanager
+def _opened(archive: zipfile.ZipFile, name: str, most: int) -> Iterator[IO[bytes]]:
     try:
         info = archive.getinfo(name)
     except KeyError:
-        raise SurfaceError(f"the archive has no member {name[:60]!r}") from None
+        raise SurfaceError(f"the archive has no member {short(name)}") from None
     if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise SurfaceError(f"{name[:60]!r} is compressed by method {info.compress_type}")
+        raise SurfaceError(f"{short(name)} is compressed by method {info.compress_type}")
     if info.file_size > most:
-        raise SurfaceError(f"{name[:60]!r} has {info.file_size} bytes, {most} are expected at most")
+        raise SurfaceError(f"{short(name)} has {info.file_size} bytes, {most} are expected at most")
     with archive.open(info) as member:
-        return member.read(most)
+        yield member
 
 
-def _exactly(archive: zipfile.ZipFile, name: str, size: int) -> bytes:
-    data = _member(archive, name, size)
-    if len(data) != size:
-        raise SurfaceError(f"{name[:60]!r} has {len(data)} bytes, the size of the map asks for {size}")
-    return data
+def _fill(values: NDArray[Any], archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any]) -> None:
+    """All of a member, which holds as many numbers of a type, block by block."""
+    done, size = 0, values.size * dtype.itemsize
+    with _opened(archive, name, size) as member:
+        while block := member.read(min(_BLOCK, size - done * dtype.itemsize)):
+            numbers = np.frombuffer(block, dtype, count=len(block) // dtype.itemsize)
+            values[done : done + len(numbers)] = numbers
+            done += len(numbers)
+            if len(block) % dtype.itemsize:
+                break
+        if done < values.size:
+            got = archive.getinfo(name).file_size
+            raise SurfaceError(f"{short(name)} has {got} bytes, the size of the map asks for {size}")
 
 
 def _text(record: ElementTree.Element, path: str) -> str | None:
