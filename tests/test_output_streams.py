@@ -26,6 +26,9 @@ PRINTING = {
     "version": ["--version"],
 }
 UNBUFFERED = {"buffered": {"PYTHONUNBUFFERED": ""}, "unbuffered": {"PYTHONUNBUFFERED": "1"}}
+# Each once, and those that print in ways of their own unbuffered too.
+CASES = [(command, "buffered") for command in PRINTING]
+CASES += [(command, "unbuffered") for command in ("sample", "eval", "verify", "help")]
 
 
 def environment(how: str) -> dict[str, str]:
@@ -33,8 +36,7 @@ def environment(how: str) -> dict[str, str]:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-@pytest.mark.parametrize("how", UNBUFFERED)
-@pytest.mark.parametrize("command", PRINTING)
+@pytest.mark.parametrize(("command", "how"), CASES)
 def test_a_full_disk_is_one_sentence(command: str, how: str) -> None:
     with open("/dev/full", "wb") as full:
         done = subprocess.run(
@@ -85,8 +87,7 @@ def test_a_disk_that_fills_up(how: str, tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (2, "microfacet: standard output: File too large\n")
 
 
-@pytest.mark.parametrize("how", UNBUFFERED)
-@pytest.mark.parametrize("command", PRINTING)
+@pytest.mark.parametrize(("command", "how"), CASES)
 def test_a_reader_that_leaves_is_no_error(command: str, how: str) -> None:
     reading, writing = os.pipe()
     os.close(reading)

@@ -88,14 +88,17 @@ def test_a_link_to_what_is_not_there_yet(writer: str) -> None:
 
 @each_writer
 def test_a_pipe_is_written_through(writer: str) -> None:
+    """Here at the end of a link."""
     name = WRITERS[writer][1]
-    os.mkfifo(name)
+    os.mkfifo("pipe")
+    Path(name).symlink_to("pipe")
     got: list[bytes] = []
     reader = threading.Thread(target=lambda: got.append(Path(name).read_bytes()))
     reader.start()
     write(writer, name)
     reader.join(60)
     assert stat.S_ISFIFO(os.stat(name).st_mode)
+    assert Path(name).is_symlink()
     assert begins_well(writer, got[0])
     assert not leftovers()
 
@@ -192,6 +195,26 @@ def test_a_pipe_without_a_reader_is_quiet() -> None:
     os.close(reading)
     assert process.communicate()[1] == b""
     assert process.returncode == 141
+
+
+def test_a_disk_that_fills_up() -> None:
+    """The sentence names the file, and nothing is left."""
+    code = """
+import resource, signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+from microfacet.cli import main
+main()
+"""
+    for name in ("normals.csv", "normals.npy"):
+        Path(name).write_text("before")
+        options = ["--alpha", "0.3", "-n", "30000", "-o", name]
+        command = [sys.executable, "-c", code, "sample", "ggx", *options]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert done.returncode == 2
+        assert done.stderr == f"microfacet: {os.path.realpath(name)}: File too large\n"
+        assert Path(name).read_text() == "before"
+    assert not leftovers()
 
 
 # The one place

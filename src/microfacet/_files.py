@@ -141,7 +141,9 @@ def _neighbour(target: str, old: os.stat_result | None, mode: int) -> Iterator[B
         if old is not None:
             _like(new, old)
         os.replace(new, target)
-    except BaseException:
+    except BaseException as error:
+        if isinstance(error, OSError) and error.filename in (None, new):
+            error.filename, error.filename2 = target, None
         with suppress(OSError):
             os.unlink(new)
         raise

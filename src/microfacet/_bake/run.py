@@ -17,7 +17,7 @@ import microfacet as mf
 from microfacet._bake.cell import compute
 from microfacet._bake.journal import Journal, provenance
 from microfacet._bake.recipe import Recipe, recipe
-from microfacet._bake.store import put, require_replaceable
+from microfacet._bake.store import place, put, require_replaceable
 
 __all__ = ["bake"]
 
@@ -113,7 +113,7 @@ def bake(
     if output is None:
         cells = dict(_told(_compute(what, range(what.cells), threads, dask), what, 0, progress))
         return _dataset(xarray, what, cells, origin)
-    target = Path(os.path.realpath(output))
+    target = place(output)
     require_replaceable(target)
     _require_writers()
     with Journal(target, what, origin).opened() as journal:

@@ -12,12 +12,19 @@ from microfacet._bake.recipe import names_of
 from microfacet._files import read_json, replacing
 from microfacet._text import printable
 
-__all__ = ["SUFFIXES", "put", "require_replaceable"]
+__all__ = ["SUFFIXES", "place", "put", "require_replaceable"]
 
 SUFFIXES = (".nc", ".zarr")
 _LONGEST_METADATA = 2**26  # grids are not part of it, but the command may be
 _METADATA = (".zgroup", ".zattrs", ".zmetadata")
 _IN_ARRAYS = re.compile(r"\.zarray|\.zattrs|\d+(\.\d+)*")
+
+
+def place(output: str | Path) -> Path:
+    """Where a table belongs: at the end of links, or at a link that leads to no file, but to a pipe, say."""
+    given = Path(os.path.abspath(output))
+    written_through = given.exists() and not given.is_file() and not given.is_dir()
+    return given if written_through else Path(os.path.realpath(output))
 
 
 def require_replaceable(target: Path) -> None:
