@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <type_traits>
 
 #include "lanes.hpp"
@@ -35,6 +36,18 @@ void gather(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buf
   }
   for (std::ptrdiff_t i = count; i % filled_up<To> != 0; ++i) target[i] = target[count - 1];
 }
+// The same of uniform numbers: one below 1 stays there, where a narrower type would round it to 1.
+template <class From, class To>
+void gather_uniform(const char* source, std::ptrdiff_t stride, std::ptrdiff_t count, buffer<To>& target) {
+  gather<From>(source, stride, count, target);
+  if constexpr (sizeof(To) < sizeof(From)) {
+    const To most = To(1) - std::numeric_limits<To>::epsilon() / 2;
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      if (target[i] == To(1) && *reinterpret_cast<const From*>(source + i * stride) < From(1))
+        target[i] = most;
+    for (std::ptrdiff_t i = count; i % filled_up<To> != 0; ++i) target[i] = target[count - 1];
+  }
+}
 template <class From, class To>
 void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, std::ptrdiff_t count) {
   auto* const to = reinterpret_cast<To*>(target);
@@ -48,10 +61,12 @@ void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, st
   }
 }
 
-// What the arguments of a loop are: values and parameters, then results. Wide parameters are float64 always.
+// What the arguments of a loop are: values, the last of them perhaps uniform numbers, and parameters, then
+// results. Wide parameters are float64 always.
 struct block_plan {
   std::size_t values, inputs, outputs;
   bool wide_parameters;
+  std::size_t uniforms = 0;
 };
 
 // Evaluates n elements, a multiple of the lanes or the last ones filled up, of contiguous arrays.
@@ -79,6 +94,8 @@ void in_blocks(const block_plan& plan, char* const* args, const std::ptrdiff_t* 
         gather<double>(at(a), steps[a], count, buffers[a]);
       else if (direct(a))
         in[a] = reinterpret_cast<const Compute*>(at(a));
+      else if (a < plan.values && a + plan.uniforms >= plan.values)
+        gather_uniform<T>(at(a), steps[a], count, buffers[a]);
       else
         gather<T>(at(a), steps[a], count, buffers[a]);
     }

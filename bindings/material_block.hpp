@@ -17,6 +17,7 @@ inline constexpr std::size_t most_values = 12, most_constants = 6;
 template <class Real>
 struct material_block {
   int count, padded;
+  bool narrow_results;  // float32, though Real is double
   std::array<walk_array<Real>, most_values> in;
   walk_array<double> element;
   std::array<double, most_constants> constant;

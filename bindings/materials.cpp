@@ -3,6 +3,7 @@
 // element; then the parameters of the distribution.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <memory>
 
 #include "blocks.hpp"
@@ -21,6 +22,7 @@ namespace {
 struct material_operation {
   const char* name;
   std::size_t values, elements, constants, outputs;
+  std::size_t uniforms;  // behind wi
   material_kernel<float> single;
   material_kernel<double> wide;
   template <class Real>
@@ -34,23 +36,23 @@ struct material_operation {
   std::size_t numbers() const { return values + elements + constants; }
 };
 
-#define MICROFACET_MATERIAL(NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, KERNEL, MATERIAL) \
-  {NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, &KERNEL<MATERIAL, float>, &KERNEL<MATERIAL, double>}
+#define MICROFACET_MATERIAL(NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, UNIFORMS, KERNEL, MATERIAL) \
+  {NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, UNIFORMS, &KERNEL<MATERIAL, float>, &KERNEL<MATERIAL, double>}
 constexpr material_operation operations[] = {
-    MICROFACET_MATERIAL("conductor_eval", 8, 0, 2, 1, single_eval, conductor),
-    MICROFACET_MATERIAL("conductor_pdf", 8, 0, 1, 1, single_pdf, conductor),
-    MICROFACET_MATERIAL("conductor_sample", 9, 0, 3, 5, single_sample, conductor),
-    MICROFACET_MATERIAL("conductor_facets", 8, 0, 1, 2, single_facets, conductor),
-    MICROFACET_MATERIAL("conductor_walk", 5, 1, 2, 5, walk_sample, conductor),
-    MICROFACET_MATERIAL("conductor_walk_eval", 8, 1, 5, 1, walk_eval, conductor),
-    MICROFACET_MATERIAL("dielectric_eval", 7, 0, 2, 1, single_eval, dielectric),
-    MICROFACET_MATERIAL("dielectric_pdf", 7, 0, 1, 1, single_pdf, dielectric),
-    MICROFACET_MATERIAL("dielectric_sample", 8, 0, 3, 5, single_sample, dielectric),
-    MICROFACET_MATERIAL("dielectric_facets", 7, 0, 1, 2, single_facets, dielectric),
-    MICROFACET_MATERIAL("dielectric_walk", 4, 1, 2, 5, walk_sample, dielectric),
-    MICROFACET_MATERIAL("dielectric_walk_eval", 7, 1, 5, 1, walk_eval, dielectric),
-    MICROFACET_MATERIAL("diffuse_walk", 4, 1, 2, 5, walk_sample, diffuse),
-    MICROFACET_MATERIAL("diffuse_walk_eval", 7, 1, 5, 1, walk_eval, diffuse),
+    MICROFACET_MATERIAL("conductor_eval", 8, 0, 2, 1, 0, single_eval, conductor),
+    MICROFACET_MATERIAL("conductor_pdf", 8, 0, 1, 1, 0, single_pdf, conductor),
+    MICROFACET_MATERIAL("conductor_sample", 9, 0, 3, 5, 4, single_sample, conductor),
+    MICROFACET_MATERIAL("conductor_facets", 8, 0, 1, 2, 0, single_facets, conductor),
+    MICROFACET_MATERIAL("conductor_walk", 5, 1, 2, 5, 0, walk_sample, conductor),
+    MICROFACET_MATERIAL("conductor_walk_eval", 8, 1, 5, 1, 0, walk_eval, conductor),
+    MICROFACET_MATERIAL("dielectric_eval", 7, 0, 2, 1, 0, single_eval, dielectric),
+    MICROFACET_MATERIAL("dielectric_pdf", 7, 0, 1, 1, 0, single_pdf, dielectric),
+    MICROFACET_MATERIAL("dielectric_sample", 8, 0, 3, 5, 4, single_sample, dielectric),
+    MICROFACET_MATERIAL("dielectric_facets", 7, 0, 1, 2, 0, single_facets, dielectric),
+    MICROFACET_MATERIAL("dielectric_walk", 4, 1, 2, 5, 0, walk_sample, dielectric),
+    MICROFACET_MATERIAL("dielectric_walk_eval", 7, 1, 5, 1, 0, walk_eval, dielectric),
+    MICROFACET_MATERIAL("diffuse_walk", 4, 1, 2, 5, 0, walk_sample, diffuse),
+    MICROFACET_MATERIAL("diffuse_walk_eval", 7, 1, 5, 1, 0, walk_eval, diffuse),
 };
 #undef MICROFACET_MATERIAL
 
@@ -72,6 +74,7 @@ void run_blocks(const array_distribution<Compute>& d, void* data) {
   const auto& call = *static_cast<const material_call*>(data);
   const material_operation& op = *call.ufunc.operation;
   const auto b = std::make_unique<material_block<Compute>>();
+  b->narrow_results = sizeof(T) < sizeof(Compute);
   for (std::size_t k = 0; k < op.constants; ++k)
     b->constant[k] = *reinterpret_cast<const double*>(call.args[op.values + op.elements + k]);
   for (npy_intp first = 0; first < call.n; first += walk_block) {
@@ -79,7 +82,10 @@ void run_blocks(const array_distribution<Compute>& d, void* data) {
     constexpr std::ptrdiff_t full = filled_up<Compute>;
     b->count = static_cast<int>(count), b->padded = static_cast<int>((count + full - 1) / full * full);
     const auto at = [&](std::size_t a) { return call.args[a] + first * call.steps[a]; };
-    for (std::size_t a = 0; a < op.values; ++a) gather<T>(at(a), call.steps[a], count, b->in[a]);
+    for (std::size_t a = 0; a < op.values; ++a) {
+      const bool uniform = a >= 3 && a < 3 + op.uniforms;
+      (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call.steps[a], count, b->in[a]);
+    }
     if (op.elements != 0) gather<double>(at(op.values), call.steps[op.values], count, b->element);
     op.template kernel<Compute>()(d, *b);
     for (std::size_t k = 0, a = call.ufunc.inputs(); k < op.outputs; ++k, ++a)
@@ -87,8 +93,17 @@ void run_blocks(const array_distribution<Compute>& d, void* data) {
   }
 }
 
+// How many distributions were made for calls: a loop that runs over the channels of a material instead of the
+// elements makes one for each element.
+std::atomic<long long> prepared_distributions{0};
+
+PyObject* count_prepared(PyObject*, PyObject*) { return PyLong_FromLongLong(prepared_distributions.load()); }
+PyMethodDef prepared_counter{"distributions_prepared", &count_prepared, METH_NOARGS,
+                             "How many distributions the materials' kernels have prepared."};
+
 template <class T>
 void run_constant(const material_call& call) {
+  prepared_distributions.fetch_add(1, std::memory_order_relaxed);
   const material_operation& op = *call.ufunc.operation;
   std::array<double, 8> parameters{};
   for (std::size_t k = 0; k < call.ufunc.family.parameters; ++k)
@@ -130,7 +145,7 @@ bool add_materials(PyObject* space, const material_family& family) {
                    {&guarded<&material_loop<float>>, &guarded<&material_loop<double>>}))
       return false;
   }
-  return true;
+  return add(space, prepared_counter.ml_name, PyCFunction_New(&prepared_counter, nullptr));
 }
 
 }  // namespace microfacet::bindings

@@ -53,6 +53,7 @@ MICROFACET_OPERATION(D_visible_of_directions, "D_visible", 6, of_P22 | of_slope_
 struct normal_sample {
   static constexpr const char* name = "sample";
   static constexpr unsigned needs = of_radius;
+  static constexpr std::size_t uniforms = 2;
   static constexpr layout<2, 3> shape{};
   template <class Distribution, class T>
   MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) {
@@ -67,6 +68,7 @@ struct normal_sample {
     static constexpr const char* name = NAME;                                          \
     static constexpr unsigned needs = of_all | of_visible;                             \
     static constexpr bool samples_visible = true;                                      \
+    static constexpr std::size_t uniforms = UNIFORMS;                                  \
     static constexpr layout<3 + UNIFORMS, 3> shape{};                                  \
     template <class Distribution, class T>                                             \
     MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) { \

@@ -118,11 +118,20 @@ constexpr kernel_set<Real> kernels_of() {
   return k;
 }
 
+template <class Operation>
+constexpr std::size_t uniforms_of() {
+  if constexpr (requires { Operation::uniforms; }) {
+    return Operation::uniforms;
+  } else {
+    return 0;
+  }
+}
+
 // Wide parameters are those of a frozen distribution: float64 in the float32 loop too, and constant.
 template <class Model, class Operation, bool WideParameters>
 inline constexpr operation_kernels kernels_of_operation{
     {Operation::shape.inputs, Operation::shape.inputs + Model::count, Operation::shape.outputs,
-     WideParameters},
+     WideParameters, uniforms_of<Operation>()},
     Operation::needs,
     policy<Model, Operation>::samples_visible,
     kernels_of<Model, Operation, !WideParameters, float>(),

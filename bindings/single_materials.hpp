@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "lanes.hpp"
 #include "material_block.hpp"
@@ -56,12 +57,22 @@ class single_step {
     const bool bounded = b_.constant[2] != 0 && d_.has(quantity::visible_bounded);
     d_.draw(bounded ? quantity::visible_bounded : quantity::visible, b_.padded, wi_, &b_.in[3], m_);
     each([&](int i) {
-      const pair p = drawn(i);
-      put(p.blocking(), blocking_, i), put(p.other_facet(), other_, i);
+      const pair p = pair::drawn(material(7, i), wi(i), at<L>(m_, i), b_.template at<L>(6, i));
+      put(p.wo(), wo_, i), put(p.passed(), passed_, i);
     });
-    look();
-    d_.area(b_.padded, blocking_, blocked_);
-    if (transmits) d_.D(b_.padded, other_, D_of_other_);
+    if (b_.narrow_results)
+      for (auto* part : {&wo_.x, &wo_.y, &wo_.z})
+        for (Real& x : *part) x = static_cast<Real>(static_cast<float>(x));
+    look_between();
+    if (peaks()) {
+      const L rounding(b_.narrow_results ? L(0x1p-23) : L(std::numeric_limits<Real>::epsilon()));
+      each([&](int i) {
+        const auto infinite = (at<L>(D_, i) == L(inf)) | (at<L>(D_of_other_, i) == L(inf));
+        put(beside_peak(at<L>(wo_, i), infinite, rounding), wo_, i);
+      });
+      look_between();
+    }
+    d_.area(b_.padded, wi_, area_), d_.area(b_.padded, blocking_, blocked_);
     if (bounded) d_.pdf_bounded(b_.padded, m_, wi_, pdf_bounded_);
     each([&](int i) { finish(i, bounded); });
   }
@@ -91,10 +102,24 @@ class single_step {
   static constexpr bool transmits = requires(const Material<L> m) { m.eta(); };
   using draw = typename pair::draw;
 
+  // What the distribution says of the facets between wi and the directions drawn.
+  void look_between() {
+    each([&](int i) {
+      const pair p = drawn(i);
+      put(p.blocking(), blocking_, i), put(p.mirror(), m_, i), put(p.lens(), other_, i);
+    });
+    d_.D(b_.padded, m_, D_);
+    if (transmits) d_.D(b_.padded, other_, D_of_other_);
+  }
+  bool peaks() const {
+    bool found = false;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(b_.padded); ++i)
+      found |= D_[i] == Real(inf) || D_of_other_[i] == Real(inf);
+    return found;
+  }
   void finish(int i, bool bounded) {
-    const pair p = drawn(i);
-    draw r = p.result(at<L>(m_, i), statistics(i), at<L>(other_, i), at<L>(D_of_other_, i), correlated(),
-                      radiance());
+    draw r = drawn(i).result(at<L>(passed_, i), at<L>(m_, i), statistics(i), at<L>(other_, i),
+                             at<L>(D_of_other_, i), correlated(), radiance());
     if (bounded) {
       const L density = bounded_density(at<L>(wi_, i), at<L>(m_, i), at<L>(pdf_bounded_, i));
       r.weight = select(density > L(0), L(r.weight * (r.pdf / density)), L(L(0) * r.weight)), r.pdf = density;
@@ -121,16 +146,14 @@ class single_step {
     return Material<L>(p.data());
   }
   pair given(int i) const { return pair(material(6, i), wi(i), b_.template direction<L>(3, i)); }
-  pair drawn(int i) const {
-    return pair::drawn(material(7, i), wi(i), at<L>(m_, i), b_.template at<L>(6, i));
-  }
+  pair drawn(int i) const { return pair(material(7, i), wi(i), at<L>(wo_, i)); }
   pair through(int i, const L& xi) const { return pair::drawn(material(6, i), wi(i), at<L>(m_, i), xi); }
   facet_statistics<L> statistics(int i) const { return {at<L>(D_, i), at<L>(area_, i), at<L>(blocked_, i)}; }
 
   const array_distribution<Real>& d_;
   material_block<Real>& b_;
-  walk_vectors<Real> wi_, m_, other_, blocking_;
-  walk_array<Real> D_, D_of_other_{}, area_, blocked_, pdf_bounded_;
+  walk_vectors<Real> wi_, wo_, m_, other_, blocking_;
+  walk_array<Real> passed_, D_, D_of_other_{}, area_, blocked_, pdf_bounded_;
 };
 
 template <template <class> class Material, class Real>

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "lanes.hpp"
@@ -36,8 +37,8 @@ Real factor_of_walk(const material_block<Real>& b, std::size_t material, std::si
   const Real wi_z = b.in[2][i];
   if constexpr (requires(const Material<Real> m) { m.eta(); }) {
     if (radiance && wi_z * wo_z < 0) {
-      const Real eta = b.in[material][i], relative = wi_z > 0 ? eta : 1 / eta;
-      return 1 / (relative * relative);
+      const Real eta = b.in[material][i], relative = wi_z > 0 ? 1 / eta : eta;
+      return std::min(relative * relative, std::numeric_limits<Real>::max());
     }
     return wi_z == 0 || wo_z == 0 ? Real(0) : Real(1);
   } else {

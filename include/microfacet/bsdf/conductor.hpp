@@ -25,7 +25,7 @@ class conductor {
   vec3<T> facet(const vec3<T>& wi, const vec3<T>& wo) const { return reflecting_facet(wi, wo); }
   // The part of the light from wi that a facet m = facet(wi, wo) sends to wo, per steradian.
   T phase(const vec3<T>& wi, const vec3<T>&, const vec3<T>& m, const facet_statistics<T>& at) const {
-    return reflectance(dot(wi, m)) * pdf_of_mirrors(at);
+    return share(reflectance(dot(wi, m)), pdf_of_mirrors(at));
   }
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T&, const T&) const {
     return {reflect(wi, m), reflectance(dot(wi, m)), wi.z != wi.z};

@@ -14,7 +14,7 @@ class dielectric {
   static constexpr int parameters = 1, uniforms = 1;
 
   // The index of refraction below the surface over that above.
-  explicit dielectric(const T& eta) : eta_(eta) {}
+  explicit dielectric(const T& eta) : eta_(where((eta > T(0)) & (eta < T(inf)), eta)) {}
   explicit dielectric(const T* p) : dielectric(p[0]) {}
 
   // The same facets for light from below, in coordinates that are turned over.
@@ -25,6 +25,7 @@ class dielectric {
 
   T eta() const { return eta_; }
   T reflectance(const T& cosine) const { return fresnel_dielectric(cosine, eta_).reflected; }
+  T transmittance(const T& cosine) const { return fresnel_dielectric(cosine, eta_).passed; }
 
   vec3<T> facet(const vec3<T>& wi, const vec3<T>& wo) const {
     return select(wo.z > T(0), reflecting_facet(wi, wo), refracting_facet(wi, wo, eta_));
@@ -36,27 +37,32 @@ class dielectric {
   T reflected(const vec3<T>& wi, const vec3<T>& m, const facet_statistics<T>& at) const {
     return share(reflectance(dot(wi, m)), pdf_of_mirrors(at));
   }
+  // Of the two cosines that the directions make with m, the one in the thinner medium says both: the other
+  // one changes little with it.
   T refracted(const vec3<T>& wi, const vec3<T>& wo, const vec3<T>& m, const facet_statistics<T>& at) const {
-    const T cosine = dot(wi, m), passed = T(1) - reflectance(cosine);
-    const T density = cosine * at.D / at.area * refraction_jacobian(wi, wo, m, eta_);
-    // An interface of equal indices deflects nothing: all goes to -wi, which has no density.
-    const auto possible = (cosine > T(0)) & (dot(wo, m) < T(0)) & (eta_ != T(1));
-    return select(possible, share(passed, density), T(T(0) * (eta_ + wo.z)));
+    const T before = dot(wi, m), behind = -dot(wo, m);
+    const auto to_denser = eta_ >= T(1);
+    const T thin = select(to_denser, before, behind), relative = maximum(eta_, T(T(1) / eta_));
+    const fresnel_split<T> split = fresnel_dielectric(thin, relative);
+    const T cosine = select(to_denser, thin, split.cosine), cosine_t = select(to_denser, split.cosine, thin);
+    const T density = cosine * at.D / at.area * refraction_jacobian(cosine, cosine_t, eta_);
+    const auto possible = (before > T(0)) & (behind > T(0)) & (eta_ != T(1));
+    const T nothing = T(0) * (eta_ + wo.z);
+    // An interface of equal indices deflects nothing: all goes to -wi, whose density is infinite.
+    const auto straight = (eta_ == T(1)) & (wo.x == -wi.x) & (wo.y == -wi.y) & (wo.z == -wi.z);
+    return select(possible, share(split.passed, density), select(straight, T(inf), nothing));
   }
   // By the first uniform number one of both, with its own probability.
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T& xi, const T&) const {
     const fresnel_split<T> at = fresnel_dielectric(dot(wi, m), eta_);
     // Also for xi = 1, but where all is reflected.
-    const decltype(xi < xi) passed = (xi >= at.reflected) & (at.reflected < T(1));
+    const decltype(xi < xi) passed = ((xi >= at.reflected) & (at.reflected < T(1))) | (eta_ == T(1));
     const vec3<T> through = refract(wi, m, eta_, at.cosine);
     const T weight = T(1) + T(0) * at.reflected;
     return {select(passed, select(eta_ == T(1), scaled(wi, T(-1)), through), reflect(wi, m)), weight, passed};
   }
 
  private:
-  // Nothing of a density is nothing, even if it is infinite.
-  static T share(const T& part, const T& density) { return select(part == T(0), T(0), T(part * density)); }
-
   T eta_;
 };
 

@@ -31,11 +31,12 @@ vec3<T> reflect(const vec3<T>& w, const vec3<T>& m) {
 }
 
 // The direction in which light from w passes on, where cosine_t is the cosine behind the facet
-// (fresnel_dielectric). Of unit length whatever rounding made of w, so that walks do not drift.
+// (fresnel_dielectric). Of unit length whatever rounding made of w, so that walks do not drift. The law of
+// refraction is divided by the larger index, so that no eta leaves the range of T.
 template <class T>
 vec3<T> refract(const vec3<T>& w, const vec3<T>& m, const T& eta, const T& cosine_t) {
-  const T inverse = T(1) / eta;
-  return unit(along(scaled(w, T(-inverse)), m, T(dot(w, m) * inverse - cosine_t)));
+  const T above = minimum(T(T(1) / eta), T(1)), below = minimum(eta, T(1));
+  return unit(along(scaled(w, T(-above)), m, T(dot(w, m) * above - below * cosine_t)));
 }
 
 // A normal along h; where there is none, one that no facet has.
@@ -53,7 +54,7 @@ vec3<T> reflecting_facet(const vec3<T>& wi, const vec3<T>& wo) {
 // The one that refracts wi into wo, on the side of wi; there is such a facet where wo lies on its other side.
 template <class T>
 vec3<T> refracting_facet(const vec3<T>& wi, const vec3<T>& wo, const T& eta) {
-  const vec3<T> h = along(wi, wo, eta);
+  const vec3<T> h = along(wi, wo, minimum(eta, T(0x1p60)));  // beyond, h is wo to all digits
   return facet_along(scaled(h, select(dot(wi, h) < T(0), T(-1), T(1))));
 }
 
@@ -63,10 +64,13 @@ template <class T>
 T reflection_jacobian(const vec3<T>& wi, const vec3<T>& m) {
   return T(0.25) / dot(wi, m);
 }
+// From the cosines before and behind the facet, both >= 0: eta^2 cosine_t/(cosine - eta cosine_t)^2. Where
+// the indices are almost the same the difference is a quotient, (1 - eta)(1 + eta)/(cosine + eta cosine_t).
 template <class T>
-T refraction_jacobian(const vec3<T>& wi, const vec3<T>& wo, const vec3<T>& m, const T& eta) {
-  const T out = eta * dot(wo, m), sum = dot(wi, m) + out;
-  return eta * abs(out) / (sum * sum);
+T refraction_jacobian(const T& cosine, const T& cosine_t, const T& eta) {
+  const T root = eta * cosine_t;
+  const T difference = (T(1) - eta) * ((T(1) + eta) / (cosine + root + smallest<T>()));
+  return (eta / difference) * (root / difference);
 }
 
 }  // namespace microfacet

@@ -14,6 +14,12 @@ struct facet_statistics {
   T D, area, blocking;
 };
 
+// A part of a density; nothing of it is nothing, even if it is infinite.
+template <class T>
+T share(const T& part, const T& density) {
+  return select(part == T(0), T(0), T(part * density));
+}
+
 // Density per steradian of the directions into which the facets that wi sees mirror it: D_visible/(4 wi . m).
 template <class T>
 T pdf_of_mirrors(const facet_statistics<T>& at) {

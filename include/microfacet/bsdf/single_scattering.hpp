@@ -3,7 +3,11 @@
 //
 // A pair of directions is asked for its facets, the distribution for what it says of them, and the pair for
 // the value: the distribution may be evaluated on arrays. eval, pdf and sample below do all of it for one.
+// Directions have unit length. A drawn direction is asked anew for its facets, so that its density is the one
+// that pdf says of it, however far rounding has moved it from the facet that was drawn.
 #pragma once
+
+#include <limits>
 
 #include "microfacet/bsdf/conductor.hpp"
 #include "microfacet/bsdf/dielectric.hpp"
@@ -32,12 +36,13 @@ class scattering_pair {
   static scattering_pair drawn(const Material& material, const vec3<T>& wi, const vec3<T>& m, const T& xi) {
     scattering_pair pair(material, wi, wi);
     const scattered<T> s = pair.material_.scatter(pair.wi_, m, xi, xi);
-    pair.wo_ = s.w, pair.passed_ = select(s.passed, T(1), T(0));
+    pair.wo_ = select(s.passed, s.w, unit(s.w)), pair.passed_ = select(s.passed, T(1), T(0));
     return pair;
   }
 
   const vec3<T>& wi() const { return wi_; }
-  // 1 where a drawn pair crosses its facet.
+  // Of a drawn pair: where it goes, as the caller's coordinates have it, and 1 where it crosses its facet.
+  vec3<T> wo() const { return scaled(wo_, turned_); }
   const T& passed() const { return passed_; }
   // Whose projected area is in the way of wo.
   vec3<T> blocking() const { return scaled(wo_, select(wo_.z > T(0), T(-1), T(1))); }
@@ -53,45 +58,35 @@ class scattering_pair {
 
   // f |cos wo|. Radiance is scaled by 1/eta^2 where light passes.
   T eval(const vec3<T>& m, const facet_statistics<T>& at, bool correlated, bool radiance) const {
-    const T value = material_.phase(wi_, wo_, m, at) * shadowing<transmits>(wi_.z, wo_.z, at, correlated);
-    return inside(T(value * scale(radiance)));
+    const T leaves = shadowing<transmits>(wi_.z, wo_.z, at, correlated) * scale(radiance);
+    return inside(share(leaves, material_.phase(wi_, wo_, m, at)));
   }
   // Of all directions that the visible normals give, also of those that no light leaves in.
   T pdf(const vec3<T>& m, const T& D_of_mirror, const vec3<T>& l, const T& D_of_lens, const T& area) const {
-    const facet_statistics<T> mirrors{D_of_mirror, area, T(0)}, lenses{D_of_lens, area, T(0)};
-    T density = pdf_of_mirrors(mirrors);
-    if constexpr (transmits) {
-      const T passed = material_.refracted(wi_, wo_, l, lenses);
-      density = select(dot(wi_, m) > T(0), material_.reflected(wi_, m, mirrors), T(0)) + passed;
-    }
-    return select(wi_.z > T(0), density, T(T(0) * (wi_.z + wo_.z)));
+    const densities d = parts(m, D_of_mirror, l, D_of_lens, area);
+    return select(wi_.z > T(0), T(d.mirrors + d.lenses), T(T(0) * (wi_.z + wo_.z)));
   }
 
-  // Of a drawn pair: the facet that might have given the same direction otherwise.
-  vec3<T> other_facet() const { return select(passed_ > T(0), mirror(), lens()); }
   struct draw {
     vec3<T> wo;
     T weight, pdf;
   };
-  // From the facet m that was drawn, and D at the other one. The weight is f |cos wo|/pdf.
-  draw result(const vec3<T>& m, const facet_statistics<T>& at, const vec3<T>& other, const T& D_of_other,
-              bool correlated, bool radiance) const {
-    T weight = shadowing<transmits>(wi_.z, wo_.z, at, correlated) * scale(radiance), density;
+  // Of a pair whose wo was drawn; passed: 1 where it crossed its facet. at: D at the mirror m, and areas. The
+  // weight is f |cos wo|/pdf, a number also where these two are infinite or nothing.
+  draw result(const T& passed, const vec3<T>& m, const facet_statistics<T>& at, const vec3<T>& l,
+              const T& D_of_lens, bool correlated, bool radiance) const {
+    const densities d = parts(m, at.D, l, D_of_lens, at.area);
+    const T density = d.mirrors + d.lenses;
+    T weight = shadowing<transmits>(wi_.z, wo_.z, at, correlated) * scale(radiance);
     if constexpr (transmits) {
-      const facet_statistics<T> at_other{D_of_other, at.area, T(0)};
-      const auto passed = passed_ > T(0);
-      const T mirrors = select(passed, of_mirror(other, at_other), of_mirror(m, at));
-      const T lenses = select(passed, material_.refracted(wi_, wo_, m, at),
-                              material_.refracted(wi_, wo_, other, at_other));
-      density = mirrors + lenses;
       // Of what goes there, the part that can leave: mirrored light above, the rest below.
-      const auto above = wo_.z > T(0);
-      const T part = select(above, mirrors, lenses) / maximum(density, smallest<T>());
-      const T sure = select((above & !passed) | ((wo_.z < T(0)) & passed), T(1), T(0));
-      weight = weight * select((density > smallest<T>()) & (density < T(inf)), part, sure);
+      const auto above = wo_.z > T(0), crossed = passed > T(0);
+      const T part = select(above, d.mirrors, d.lenses) / maximum(density, smallest<T>());
+      const T sure = select((above & !crossed) | ((wo_.z < T(0)) & crossed), T(1), T(0));
+      weight = share(select((density > smallest<T>()) & (density < T(inf)), part, sure), weight);
       weight = select(material_.eta() == T(1), T(T(1) + T(0) * wi_.z), weight);
     } else {
-      density = pdf_of_mirrors(at), weight = weight * material_.reflectance(dot(wi_, m));
+      weight = weight * material_.reflectance(dot(wi_, m));
     }
     // From below an opaque surface, and from straight below any, no facet is seen.
     const auto seen = wi_.z > T(0);
@@ -103,20 +98,30 @@ class scattering_pair {
   // of normals.
   T of_facet(const vec3<T>& m, const facet_statistics<T>& at, bool correlated) const {
     const T cosine = dot(wi_, m), visible = maximum(cosine, T(0)) * at.D / at.area;
-    const T reflectance = material_.reflectance(cosine), passed = passed_;
-    const auto leaves = select(passed > T(0), T(-wo_.z), wo_.z) > T(0);
-    const T share = select(passed > T(0), T(T(1) - reflectance), reflectance);
-    const T value = visible * share * shadowing<transmits>(wi_.z, wo_.z, at, correlated);
+    const auto crosses = passed_ > T(0), leaves = select(crosses, T(-wo_.z), wo_.z) > T(0);
+    T part = material_.reflectance(cosine);
+    if constexpr (transmits) part = select(crosses, material_.transmittance(cosine), part);
+    const T value = visible * part * shadowing<transmits>(wi_.z, wo_.z, at, correlated);
     return inside(select(leaves, value, T(T(0) * visible)));
   }
 
  private:
-  T of_mirror(const vec3<T>& m, const facet_statistics<T>& at) const {
-    return select(dot(wi_, m) > T(0), material_.reflected(wi_, m, at), T(0));
+  struct densities {
+    T mirrors, lenses;
+  };
+  densities parts(const vec3<T>& m, const T& D_of_mirror, const vec3<T>& l, const T& D_of_lens,
+                  const T& area) const {
+    const facet_statistics<T> mirrors{D_of_mirror, area, T(0)};
+    if constexpr (transmits) {
+      return {select(dot(wi_, m) > T(0), material_.reflected(wi_, m, mirrors), T(0)),
+              material_.refracted(wi_, wo_, l, facet_statistics<T>{D_of_lens, area, T(0)})};
+    } else {
+      return {pdf_of_mirrors(mirrors), T(0)};
+    }
   }
   T scale(bool radiance) const {
     if constexpr (transmits) {
-      if (radiance) return select(wo_.z < T(0), T(T(1) / (material_.eta() * material_.eta())), T(1));
+      if (radiance) return select(wo_.z < T(0), square(T(T(1) / material_.eta())), T(1));
     }
     return T(1);
   }
@@ -146,16 +151,30 @@ T pdf(const Material& material, const Distribution& ndf, const vec3<T>& wi, cons
   return pair.pdf(m, ndf.D(m), l, ndf.D(l), ndf.sigma(pair.wi()));
 }
 
+// Moves a drawn direction by a rounding where a facet between it and wi has infinite density: f and the
+// density of what is drawn are numbers.
+template <class Mask, class T>
+vec3<T> beside_peak(const vec3<T>& wo, const Mask& infinite, const T& rounding) {
+  return {select(infinite, T(wo.x + rounding), wo.x), wo.y, wo.z};
+}
+
 // A direction, its weight f |cos wo|/pdf, and its pdf, from three uniform numbers for the facet and one that
 // chooses between reflection and transmission.
 template <class Material, class Distribution, class T>
 auto sample(const Material& material, const Distribution& ndf, const vec3<T>& wi, const vec3<T>& xi,
             const T& choice, bool correlated = true, bool radiance = true) {
   using pairs = scattering_pair<Material, T>;
-  const vec3<T> m = sample_visible(ndf, pairs(material, wi, wi).wi(), xi.x, xi.y, xi.z);
-  const pairs pair = pairs::drawn(material, wi, m, choice);
-  const vec3<T> other = pair.other_facet();
-  return pair.result(m, {ndf.D(m), ndf.sigma(pair.wi()), ndf.sigma(pair.blocking())}, other, ndf.D(other),
+  const T rounding(std::numeric_limits<typename scalar_traits<T>::real>::epsilon());
+  const vec3<T> facet = sample_visible(ndf, pairs(material, wi, wi).wi(), xi.x, xi.y, xi.z);
+  const pairs drawn = pairs::drawn(material, wi, facet, choice);
+  pairs pair(material, wi, drawn.wo());
+  T D_of_mirror = ndf.D(pair.mirror()), D_of_lens = ndf.D(pair.lens());
+  if (const auto infinite = (D_of_mirror == T(inf)) | (D_of_lens == T(inf)); some_lane(infinite)) {
+    pair = pairs(material, wi, beside_peak(drawn.wo(), infinite, rounding));
+    D_of_mirror = ndf.D(pair.mirror()), D_of_lens = ndf.D(pair.lens());
+  }
+  return pair.result(drawn.passed(), pair.mirror(),
+                     {D_of_mirror, ndf.sigma(pair.wi()), ndf.sigma(pair.blocking())}, pair.lens(), D_of_lens,
                      correlated, radiance);
 }
 
