@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet._arrays import as_array, is_foreign, lifted
 from microfacet._quantities import Quantities
 
 __all__ = ["Sampling"]
@@ -14,7 +16,7 @@ __all__ = ["Sampling"]
 
 def _array(owner: str, name: str, values: ArrayLike, lengths: tuple[int, ...]) -> Any:
     """`values` as an array whose last axis has one of these lengths."""
-    array = np.asanyarray(values)
+    array = as_array(values)
     if array.ndim == 0 or array.shape[-1] not in lengths:
         wanted = " or ".join(f"(..., {length})" for length in lengths)
         raise ValueError(f"{owner}: {name} must have shape {wanted}, got {array.shape}")
@@ -26,11 +28,16 @@ def _components(array: Any) -> tuple[Any, ...]:
     return tuple(array[..., i] for i in range(array.shape[-1]))
 
 
-def _normals(owner: str, shape: tuple[int, ...], inputs: tuple[Any, ...], out: Any) -> Any:
+def _normals(owner: str, inputs: tuple[Any, ...], out: Any) -> Any:
     """Where to write normals: `out`, or a new array in the precision of the inputs."""
+    shape = (*np.broadcast_shapes(*(array.shape[:-1] for array in inputs)), 3)
     if out is None:
         single = all(np.can_cast(array.dtype, np.float32) for array in inputs)
         return np.empty(shape, np.float32 if single else np.float64)
+    if any(map(is_foreign, inputs)):
+        raise ValueError(
+            f"{owner}: out is for NumPy arrays; those of dask and xarray are results of their own"
+        )
     if np.shape(out) != shape:
         raise ValueError(f"{owner}: out must have shape {shape}, got {np.shape(out)}")
     return out
@@ -66,9 +73,16 @@ class Sampling(Quantities):
         """
         owner = f"{type(self).__name__}.sample"
         uniforms = _array(owner, "xi", xi, (2,))
-        normals = _normals(owner, (*uniforms.shape[:-1], 3), (uniforms,), out)
-        kernel, parameters = self._kernel("sample")
-        kernel(*_components(uniforms), *parameters, out=_components(normals))
+        if out is not None:
+            _normals(owner, (uniforms,), out)
+        return lifted(partial(self._draw, owner, "sample", 0, out), (uniforms, "xi"), results=("w",))
+
+    def _draw(self, owner: str, quantity: str, left_over: int, out: Any, *inputs: Any) -> Any:
+        """Normals by a kernel from the components of its inputs, the last of which it does not look at."""
+        kernel, parameters = self._kernel(quantity)
+        normals = _normals(owner, inputs, out)
+        parts = [part for array in inputs for part in _components(array)]
+        kernel(*parts, *[parts[-1]] * left_over, *parameters, out=_components(normals))
         return normals
 
     @property
@@ -135,15 +149,13 @@ class Sampling(Quantities):
         dims = self.mixture_dims if quantity.endswith("mixture") else self.visible_dims
         directions = _array(owner, "w", w, (3,))
         uniforms = _array(owner, "xi", xi, tuple(range(dims, 5)))
-        shape = np.broadcast_shapes(directions.shape[:-1], uniforms.shape[:-1])
-        normals = _normals(owner, (*shape, 3), (directions, uniforms), out)
-        kernel, parameters = self._kernel(quantity)
+        if out is not None:
+            _normals(owner, (directions, uniforms), out)
         # Kernels take as many uniforms as their longest scheme, and do not look at those left over.
-        wanted = kernel.nin - len(parameters) - 3
-        given = _components(uniforms[..., :dims])
-        inputs = (*_components(directions), *given, *[given[-1]] * (wanted - dims))
-        kernel(*inputs, *parameters, out=_components(normals))
-        return normals
+        kernel, parameters = self._kernel(quantity)
+        left_over = kernel.nin - len(parameters) - 3 - dims
+        draw = partial(self._draw, owner, quantity, left_over, out)
+        return lifted(draw, (directions, "w"), (uniforms[..., :dims], "xi"), results=("w",))
 
     def _visible_quantity(self, owner: str, scheme: str, bounded: bool) -> str:
         if not hasattr(self.kernels, "visible_dims"):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet._bsdf.kernels import MaterialKernels
+from microfacet._arrays import lifted, numbered
+from microfacet._bsdf.kernels import MaterialKernels, unit
 from microfacet._bsdf.quadrature import leaving
 
 __all__ = ["albedo", "average_albedo"]
@@ -24,15 +26,25 @@ def albedo(
     """What `Material.albedo` says."""
     owner = f"{type(material).__name__}.albedo"
     _check(owner, part)
-    (given,) = material._directions("albedo", wi=wi)
-    directions = given.reshape(-1, 3).astype(np.float64)
-    if _in_closed_form(material):
+    given = material._directions("albedo", wi=wi)
+    walks = 0 if _in_closed_form(material) else _count(owner, n)
+    value, error = lifted(
+        partial(_albedo, material, walks, seed, part), *given, numbered(*given), results=("", "")
+    )
+    return (value, error) if with_error else value
+
+
+def _albedo(
+    material: MaterialKernels, walks: int, seed: float, part: str, wi: Array, numbers: Array
+) -> tuple[Any, Any]:
+    """Values and errors of NumPy arrays; without walks by quadrature."""
+    directions = unit(wi.astype(np.float64)).reshape(-1, 3)
+    if walks == 0:
         value, error = _by_quadrature(material, directions, part)
     else:
-        value, error = _by_walks(material, directions, _count(owner, n), seed, part)
-    shape = (*given.shape[:-1], *material._channels)
-    value, error = value.reshape(shape)[()], error.reshape(shape)[()]
-    return (value, error) if with_error else value
+        value, error = _by_walks(material, directions, numbers.reshape(-1), walks, seed, part)
+    shape = (*wi.shape[:-1], *material._channels)
+    return value.reshape(shape)[()], error.reshape(shape)[()]
 
 
 def average_albedo(
@@ -89,7 +101,7 @@ def _scale(material: MaterialKernels, cosine: Array) -> Array:
     if not material._radiance:
         return np.ones(cosine.shape)
     eta = float(material._constants[0])
-    return np.where(cosine > 0, eta, 1 / eta) ** -2.0
+    return np.minimum(np.where(cosine > 0, 1 / eta, eta), 1e150) ** 2
 
 
 def _average_by_quadrature(material: MaterialKernels, up: float, part: str) -> tuple[Array, Array]:
@@ -106,14 +118,16 @@ def _average_by_quadrature(material: MaterialKernels, up: float, part: str) -> t
     return value, error
 
 
-def _by_walks(material: MaterialKernels, wi: Array, n: int, seed: float, part: str) -> tuple[Array, Array]:
+def _by_walks(
+    material: MaterialKernels, wi: Array, numbers: Array, n: int, seed: float, part: str
+) -> tuple[Array, Array]:
     """Means over `n` walks of each direction: walk k of direction i is one and the same whatever n is."""
     channels = int(np.prod(material._channels, dtype=np.int64))
     sums, squares = np.zeros((2, len(wi), channels))
     group = max(1, _WALKS // n)
     for start in range(0, len(wi), group):
         some = slice(start, min(start + group, len(wi)))
-        number = np.arange(float(some.start), float(some.stop))[:, np.newaxis] * 2.0**32
+        number = numbers[some, np.newaxis] * 2.0**32
         for first in range(0, n, _WALKS):
             elements = number + np.arange(first, min(first + _WALKS, n))
             directions = np.broadcast_to(wi[some, np.newaxis], (*elements.shape, 3))

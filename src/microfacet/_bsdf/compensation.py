@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet._arrays import lifted
 from microfacet._bsdf.conductor import Conductor
 from microfacet._bsdf.fresnel import fresnel_average, fresnel_conductor
-from microfacet._calls import constructor
+from microfacet._bsdf.kernels import directions_of, uniforms_of, units
 from microfacet._frozen import Distribution
+from microfacet._value import Value
 
 __all__ = ["KullaConty", "Turquin"]
 
@@ -24,19 +26,28 @@ Array = NDArray[Any]
 _NODES = 48
 
 
-class _Energy:
+class _Energy(Value):
     """The albedo E(cos theta) of a white metal of this roughness, and its average."""
+
+    __slots__ = ("_coefficients", "_knots", "average")
+
+    average: float
+    _knots: Array
+    _coefficients: Array
 
     def __init__(self, cosine: Array, albedo: Array, average: float) -> None:
         from scipy.interpolate import PchipInterpolator
 
         # Near the horizon E changes over angles like the roughness: the cube root spreads them.
-        self._spline = PchipInterpolator(np.cbrt(cosine), albedo)
-        self._ends = np.cbrt(cosine[[0, -1]])
-        self.average = average
+        spline = PchipInterpolator(np.cbrt(cosine), albedo)
+        self._keep(_knots=spline.x, _coefficients=spline.c, average=average)
 
     def __call__(self, cosine: Array) -> Array:
-        return np.asarray(self._spline(np.clip(np.cbrt(np.maximum(cosine, 0.0)), *self._ends)))
+        from scipy.interpolate import PPoly
+
+        spline = PPoly.construct_fast(self._coefficients, self._knots)
+        inside = np.clip(np.cbrt(np.maximum(cosine, 0.0)), self._knots[0], self._knots[-1])
+        return np.asarray(spline(inside))
 
     @classmethod
     @lru_cache(maxsize=64)
@@ -78,7 +89,7 @@ def _parameters(ndf: Distribution) -> dict[str, float]:
     return values
 
 
-class _Compensated:
+class _Compensated(Value):
     """A metal with single scattering and what is added to it."""
 
     __slots__ = ("_energy", "material")
@@ -94,16 +105,55 @@ class _Compensated:
         ndf = material.ndf
         if "alpha_x" in ndf._names and ndf._values[0] != ndf._values[1]:
             raise ValueError(f"{owner}: the roughness must be isotropic, got {ndf!r}")
-        self.material = material
-        self._energy = _Energy.of(ndf) if table is None else _Energy.from_table(owner, ndf, table)
+        energy = _Energy.of(ndf) if table is None else _Energy.from_table(owner, ndf, table)
+        self._keep(material=material, _energy=energy)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.material!r})"
 
-    def _cosines(self, *directions: ArrayLike) -> list[Array]:
-        """Cosines, with axes for the channels of the metal behind."""
-        behind = (np.newaxis,) * len(self.material._channels)
-        return [np.asarray(w, np.float64)[(..., 2, *behind)] for w in directions]
+    def eval(self, wi: ArrayLike, wo: ArrayLike) -> Any:
+        """f |cos theta_o|, shape (..., *channels), as `Conductor.eval`."""
+        return lifted(self._eval, *directions_of(f"{type(self).__name__}.eval", wi=wi, wo=wo))
+
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
+        """Density per steradian of the directions that `sample` draws."""
+        return lifted(self._pdf, *directions_of(f"{type(self).__name__}.pdf", wi=wi, wo=wo))
+
+    def sample(self, wi: ArrayLike, xi: ArrayLike) -> tuple[Any, Any, Any]:
+        """Directions, weights and densities; xi (..., `sample_dims`), the last of which chooses the lobe."""
+        owner = f"{type(self).__name__}.sample"
+        given = (*directions_of(owner, wi=wi), uniforms_of(owner, xi, self.sample_dims))
+        wo, weight, pdf = lifted(self._sample, *given, results=("w", "", ""))
+        return wo, weight, pdf
+
+    def albedo(self, wi: ArrayLike) -> Any:
+        """Part of the light from `wi` that leaves again."""
+        return lifted(self._albedo, *directions_of(f"{type(self).__name__}.albedo", wi=wi))
+
+    @property
+    def sample_dims(self) -> int:
+        """How many uniform numbers a sample takes."""
+        return self.material.sample_dims
+
+    def _behind(self, values: Array) -> Array:
+        """With axes for the channels of the metal."""
+        return values[(..., *(np.newaxis,) * len(self.material._channels))]
+
+    def _cosines(self, *directions: Array) -> list[Array]:
+        """Of unit directions, with axes for the channels."""
+        return [self._behind(w[..., 2].astype(np.float64)) for w in units(*directions)]
+
+    def _eval(self, wi: Array, wo: Array) -> Any:
+        raise NotImplementedError
+
+    def _pdf(self, wi: Array, wo: Array) -> Any:
+        raise NotImplementedError
+
+    def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
+        raise NotImplementedError
+
+    def _albedo(self, wi: Array) -> Any:
+        raise NotImplementedError
 
 
 class KullaConty(_Compensated):
@@ -148,34 +198,29 @@ class KullaConty(_Compensated):
         fresnel, average = fresnel_average(self.material.eta, self.material.k), self._energy.average
         return fresnel**2 * average / (1 - fresnel * (1 - average))
 
-    def eval(self, wi: ArrayLike, wo: ArrayLike) -> Any:
-        """f |cos theta_o|, shape (..., *channels), as `Conductor.eval`."""
+    def _eval(self, wi: Array, wo: Array) -> Any:
         i, o = self._cosines(wi, wo)
         lobe = (1 - self._energy(i)) * (1 - self._energy(o)) / (np.pi * max(1 - self._energy.average, 1e-12))
         lit = np.where((i > 0) & (o > 0), o, 0.0)
         return self.material.eval(wi, wo) + self._colour() * lobe * lit
 
-    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
-        """Density per steradian of the directions that `sample` draws."""
-        i, o = (np.asarray(w, np.float64)[..., 2] for w in (wi, wo))
+    def _pdf(self, wi: Array, wo: Array) -> Any:
+        i, o = (w[..., 2].astype(np.float64) for w in units(wi, wo))
         first = self._energy(i)
         diffuse = np.where(i > 0, np.maximum(o, 0.0), 0.0) / np.pi
         return first * self.material.pdf(wi, wo) + (1 - first) * diffuse
 
-    def sample(self, wi: ArrayLike, xi: ArrayLike) -> tuple[Any, Any, Any]:
-        """Directions, weights and densities; xi (..., `sample_dims`), the last of which chooses the lobe."""
-        given, numbers = np.asarray(wi, np.float64), np.asarray(xi, np.float64)
-        if numbers.ndim == 0 or numbers.shape[-1] < self.sample_dims:
-            raise ValueError(f"KullaConty.sample: xi must have shape (..., {self.sample_dims})")
+    def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
+        (given,), numbers = units(wi.astype(np.float64)), xi.astype(np.float64)
         once, _, _ = self.material.sample(given, numbers[..., :-1])
         radius, turn = np.sqrt(numbers[..., 0]), 2 * np.pi * numbers[..., 1]
         height = np.sqrt(1 - numbers[..., 0])
         diffuse = np.stack((radius * np.cos(turn), radius * np.sin(turn), height), -1)
         wo = np.where((numbers[..., -1] < self._energy(given[..., 2]))[..., np.newaxis], once, diffuse)
-        density = self.pdf(given, wo)
-        behind = (..., *(np.newaxis,) * len(self.material._channels))
+        density = self._pdf(given, wo)
+        behind = self._behind(np.asarray(density))
         with np.errstate(all="ignore"):
-            weight = np.where(density[behind] > 0, self.eval(given, wo) / density[behind], 0.0)
+            weight = np.where(behind > 0, self._eval(given, wo) / behind, 0.0)
         return wo, weight, density
 
     @property
@@ -183,8 +228,7 @@ class KullaConty(_Compensated):
         """How many uniform numbers a sample takes."""
         return self.material.sample_dims + 1
 
-    def albedo(self, wi: ArrayLike) -> Any:
-        """Part of the light from `wi` that leaves again."""
+    def _albedo(self, wi: Array) -> Any:
         (i,) = self._cosines(wi)
         return self.material.albedo(wi) + np.where(i > 0, self._colour() * (1 - self._energy(i)), 0.0)
 
@@ -227,30 +271,21 @@ class Turquin(_Compensated):
 
     __slots__ = ()
 
-    def _scale(self, wi: ArrayLike) -> Any:
+    def _scale(self, wi: Array) -> Any:
         (i,) = self._cosines(wi)
         normal = fresnel_conductor(1.0, self.material.eta, self.material.k)
         first = self._energy(i)
         return 1 + normal * (1 - first) / first
 
-    def eval(self, wi: ArrayLike, wo: ArrayLike) -> Any:
-        """f |cos theta_o|, shape (..., *channels), as `Conductor.eval`."""
+    def _eval(self, wi: Array, wo: Array) -> Any:
         return self.material.eval(wi, wo) * self._scale(wi)
 
-    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
-        """Density per steradian of the directions that `sample` draws."""
+    def _pdf(self, wi: Array, wo: Array) -> Any:
         return self.material.pdf(wi, wo)
 
-    def sample(self, wi: ArrayLike, xi: ArrayLike) -> tuple[Any, Any, Any]:
-        """Directions, weights and densities; xi (..., `sample_dims`)."""
+    def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
         wo, weight, density = self.material.sample(wi, xi)
         return wo, weight * self._scale(wi), density
 
-    @property
-    def sample_dims(self) -> int:
-        """How many uniform numbers a sample takes."""
-        return self.material.sample_dims
-
-    def albedo(self, wi: ArrayLike) -> Any:
-        """Part of the light from `wi` that leaves again."""
+    def _albedo(self, wi: Array) -> Any:
         return self.material.albedo(wi) * self._scale(wi)

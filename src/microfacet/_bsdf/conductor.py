@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.kernels import number, xyz
+from microfacet._arrays import lifted, numbered
+from microfacet._bsdf.kernels import Array, number, seed_of, uniforms_of, units, xyz
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -78,8 +80,7 @@ class Conductor(Material):
             number(owner, "eta", eta, "in (0, inf]", lambda x: x > 0),
             number(owner, "k", k, "in [0, inf)", lambda x: (x >= 0) & (x < np.inf)),
         )
-        self._freeze(ndf, scattering, constants)
-        object.__setattr__(self, "correlated", bool(correlated))
+        self._freeze(ndf, scattering, constants, correlated=bool(correlated))
 
     @property
     def eta(self) -> Any:
@@ -102,9 +103,13 @@ class Conductor(Material):
         then this is 3/4 of that density and 1/4 of that of a diffuse surface, a proposal for multiple
         importance sampling.
         """
-        i, o = self._directions("pdf", wi=wi, wo=wo)
-        constants = [np.asarray(x, i.dtype) for x in (np.inf, 0.0)]
-        density = self._kernel("pdf")(*xyz(i), *xyz(o), *constants, float(bounded), *self.ndf._values)
+        return lifted(partial(self._pdf, bounded=bounded), *self._directions("pdf", wi=wi, wo=wo))
+
+    def _pdf(self, wi: Array, wo: Array, bounded: bool = False) -> Any:
+        i, o = units(wi, wo)
+        density = self._of(
+            "pdf", [*xyz(i), *xyz(o)], (float(bounded),), (np.asarray(np.inf), np.asarray(0.0))
+        )
         if self.scattering == "multiple":
             diffuse = np.where(i[..., 2] > 0, np.maximum(o[..., 2], 0), 0) * i.dtype.type(1 / np.pi)
             return (0.75 * density + 0.25 * diffuse).astype(i.dtype)[()]
@@ -134,15 +139,24 @@ class Conductor(Material):
         pdf : ndarray, shape (...)
             What `pdf` says.
         """
-        (i,) = self._directions("sample", wi=wi)
+        given = self._directions("sample", wi=wi)
         if self.scattering == "multiple":
-            wo, weight, _ = self._walk_sample(i, rng, 0.0)
-            return wo, weight, self.pdf(i, wo)
-        if xi is None:
-            raise ValueError(f"Conductor.sample: give xi, of shape (..., {self.sample_dims})")
+            draw = partial(self._sample_walk, seed_of("Conductor", rng))
+            wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
+            return wo, weight, pdf
         if bounded:
             self.ndf._require_bounded("Conductor.sample")
-        values = [*xyz(i), *self._uniforms(xi, i.dtype)]
+        wo, weight, pdf = lifted(
+            partial(self._sample, bounded),
+            *given,
+            uniforms_of("Conductor.sample", xi, self.sample_dims),
+            results=("w", "", ""),
+        )
+        return wo, weight, pdf
+
+    def _sample(self, bounded: bool, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
+        (i,) = units(wi)
+        values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
         wo, weight, pdf = self._of("sample", values, (float(self.correlated), 0.0, float(bounded)))
         for _ in self._channels:  # which share their directions
             wo, pdf = wo[..., 0, :], pdf[..., 0]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.kernels import number, xyz
+from microfacet._arrays import lifted, numbered
+from microfacet._bsdf.kernels import Array, number, seed_of, uniforms_of, units, xyz
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -79,9 +81,7 @@ class Dielectric(Material):
             raise ValueError(f"Dielectric: eta must be one number, got an array of shape {index.shape}")
         if mode not in ("radiance", "importance"):
             raise ValueError(f'Dielectric: mode must be "radiance" or "importance", got {mode!r}')
-        self._freeze(ndf, scattering, (index,))
-        object.__setattr__(self, "mode", mode)
-        object.__setattr__(self, "correlated", bool(correlated))
+        self._freeze(ndf, scattering, (index,), mode=mode, correlated=bool(correlated))
 
     @property
     def eta(self) -> float:
@@ -103,7 +103,10 @@ class Dielectric(Material):
         It counts what facets mirror downwards or refract upwards too, though no light leaves so at once.
         With multiple scattering, 3/4 of that density and 1/4 of a cosine on both sides, a proposal.
         """
-        i, o = self._directions("pdf", wi=wi, wo=wo)
+        return lifted(self._pdf, *self._directions("pdf", wi=wi, wo=wo))
+
+    def _pdf(self, wi: Array, wo: Array) -> Any:
+        i, o = units(wi, wo)
         density = self._of("pdf", [*xyz(i), *xyz(o)], (0.0,))
         if self.scattering == "multiple":
             cosine = np.abs(o[..., 2]) * i.dtype.type(0.5 / np.pi)
@@ -115,13 +118,21 @@ class Dielectric(Material):
 
         The last of the uniform numbers chooses between reflection and transmission.
         """
-        (i,) = self._directions("sample", wi=wi)
+        given = self._directions("sample", wi=wi)
         if self.scattering == "multiple":
-            wo, weight, _ = self._walk_sample(i, rng, self._radiance)
-            return wo, weight, self.pdf(i, wo)
-        if xi is None:
-            raise ValueError(f"Dielectric.sample: give xi, of shape (..., {self.sample_dims})")
-        *facet, choice = self._uniforms(xi, i.dtype)
-        wide = (float(self.correlated), self._radiance, 0.0)
-        wo, weight, pdf = self._of("sample", [*xyz(i), *facet, choice], wide)
+            draw = partial(self._sample_walk, seed_of("Dielectric", rng))
+            wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
+            return wo, weight, pdf
+        wo, weight, pdf = lifted(
+            self._sample,
+            *given,
+            uniforms_of("Dielectric.sample", xi, self.sample_dims),
+            results=("w", "", ""),
+        )
+        return wo, weight, pdf
+
+    def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
+        (i,) = units(wi)
+        values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
+        wo, weight, pdf = self._of("sample", values, (float(self.correlated), self._radiance, 0.0))
         return wo, weight, pdf

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._bsdf.kernels import number
+from microfacet._arrays import lifted, numbered
+from microfacet._bsdf.kernels import Array, number, seed_of, units
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -69,7 +71,10 @@ class Diffuse(Material):
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """Density per steradian of a proposal for `wo`: that of a diffuse surface, cos/pi."""
-        i, o = self._directions("pdf", wi=wi, wo=wo)
+        return lifted(self._pdf, *self._directions("pdf", wi=wi, wo=wo))
+
+    def _pdf(self, wi: Array, wo: Array) -> Any:
+        i, o = units(wi, wo)
         return np.where(i[..., 2] > 0, np.maximum(o[..., 2], 0), 0)[()] * i.dtype.type(1 / np.pi)
 
     def sample(self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None) -> tuple[Any, Any, Any]:
@@ -79,9 +84,7 @@ class Diffuse(Material):
         """
         if xi is not None:
             raise ValueError("Diffuse.sample: a walk takes rng, not xi")
-        (i,) = self._directions("sample", wi=wi)
-        wo, weight, facets = self._walk_sample(i, rng, 0.0)
-        if self.scattering == "single":
-            once = (facets == 1).reshape(facets.shape + (1,) * len(self._channels))
-            weight = np.where(once, weight, 0)
-        return wo, weight, self.pdf(i, wo)
+        given = self._directions("sample", wi=wi)
+        draw = partial(self._sample_walk, seed_of("Diffuse", rng))
+        wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
+        return wo, weight, pdf

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from microfacet import _core
+from microfacet._arrays import as_array, lifted
 
 __all__ = ["fresnel_average", "fresnel_conductor", "fresnel_dielectric"]
 
@@ -100,6 +101,11 @@ def fresnel_average(eta: ArrayLike, k: ArrayLike | None = None) -> Any:
     >>> print(f"{mf.fresnel_average(1.5):.6f}")
     0.091778
     """
+    given = (eta,) if k is None else (eta, k)
+    return lifted(_average, *((as_array(constant), "") for constant in given))
+
+
+def _average(eta: NDArray[Any], k: NDArray[Any] | None = None) -> Any:
     indices = np.asarray(eta, dtype=np.float64)[..., np.newaxis]
     absorbed = np.asarray(0.0 if k is None else k, dtype=np.float64)[..., np.newaxis]
     # At the critical angle there is a square root, or nearly so: pieces end there, in variables without it.

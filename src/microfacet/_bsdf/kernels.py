@@ -1,16 +1,28 @@
-"""What the kernels of a material are given: directions and their shapes, uniform numbers, seeds of walks."""
+"""What the kernels of a material are given: unit directions, uniform numbers, constants, seeds of walks."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet._calls import constructor
+from microfacet._arrays import Argument, as_array
 from microfacet._frozen import Distribution
+from microfacet._value import Value
 
-__all__ = ["NO_ORDER", "MaterialKernels", "number", "seed_of", "xyz"]
+__all__ = [
+    "NO_ORDER",
+    "MaterialKernels",
+    "directions_of",
+    "number",
+    "seed_of",
+    "uniforms_of",
+    "unit",
+    "units",
+    "xyz",
+]
 
 Array = NDArray[Any]
 NO_ORDER = float(2**31)
@@ -28,10 +40,36 @@ def number(owner: str, name: str, value: object, allowed: str, valid: Any) -> Ar
     bad = ~valid(array)
     if bad.any():
         raise ValueError(f"{owner}: {name} must lie {allowed}, got {array[bad].flat[0]:g}")
+    array.flags.writeable = False
     return array
 
 
-class MaterialKernels:
+def unit(w: Array) -> Array:
+    """Directions of length 1, along `w` of any length; nan along 0 and along what is no number.
+
+    A length that is 1 to rounding is left alone, so that a result of ours is taken as it is.
+    """
+    tolerance = 8 * np.finfo(w.dtype).eps
+    with np.errstate(all="ignore"):
+        x, y, z = xyz(w)
+        off = ~(np.abs(x * x + y * y + z * z - 1) <= tolerance)
+        if not off.any():
+            return w
+        # By the largest component first: its square may be no number.
+        given = w[off]
+        given = given / np.max(np.abs(given), axis=-1, keepdims=True)
+        result = w.copy()
+        result[off] = given / np.sqrt(np.sum(given * given, axis=-1, keepdims=True))
+    return result
+
+
+def units(*directions: Array) -> list[Array]:
+    """Unit directions in one precision: float64 unless all are float32."""
+    single = all(array.dtype == np.float32 for array in directions)
+    return [unit(np.asarray(array, np.float32 if single else np.float64)) for array in directions]
+
+
+class MaterialKernels(Value):
     """A distribution and optical constants, and calls of their kernels."""
 
     __slots__ = ("_constants", "ndf", "scattering")
@@ -43,11 +81,9 @@ class MaterialKernels:
     _transmits = False
     _closed = True  # whether scattering of one order has a closed form
 
-    def __init_subclass__(cls) -> None:
-        if "__init__" in vars(cls):
-            cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]
-
-    def _freeze(self, ndf: Distribution, scattering: str, constants: tuple[Array, ...]) -> None:
+    def _freeze(
+        self, ndf: Distribution, scattering: str, constants: tuple[Array, ...], **others: object
+    ) -> None:
         owner = type(self).__name__
         if not isinstance(ndf, Distribution) or not hasattr(ndf.kernels, "conductor_eval"):
             raise ValueError(f"{owner}: ndf must be a distribution of one of the families, got {ndf!r:.80}")
@@ -58,11 +94,11 @@ class MaterialKernels:
         except ValueError:
             shapes = " and ".join(str(constant.shape) for constant in constants)
             raise ValueError(f"{owner}: eta and k must have shapes that broadcast, got {shapes}") from None
-        for name, value in (("ndf", ndf), ("scattering", scattering), ("_constants", constants)):
-            object.__setattr__(self, name, value)
+        self._keep(ndf=ndf, scattering=scattering, _constants=constants, **others)
 
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"{type(self).__name__} is frozen: {name} cannot be set")
+    def _pdf(self, wi: Array, wo: Array) -> Any:
+        """`pdf` of NumPy arrays."""
+        raise NotImplementedError
 
     @property
     def _radiance(self) -> float:
@@ -77,58 +113,61 @@ class MaterialKernels:
     def _kernel(self, operation: str) -> Any:
         return getattr(self.ndf.kernels, f"{self._name}_{operation}")
 
-    def _directions(self, method: str, **directions: ArrayLike) -> list[Array]:
-        """Arrays (..., 3) of one precision; float64 unless all are float32."""
-        arrays = []
-        for name, given in directions.items():
-            array = np.asarray(given)
-            if array.ndim == 0 or array.shape[-1] != 3 or array.dtype.kind not in "iuf":
-                raise ValueError(
-                    f"{type(self).__name__}.{method}: {name} must be real numbers of shape (..., 3), "
-                    f"got {array.dtype} of shape {array.shape}"
-                )
-            arrays.append(array)
-        single = all(array.dtype == np.float32 for array in arrays)
-        return [np.asarray(array, np.float32 if single else np.float64) for array in arrays]
+    def _directions(self, method: str, **directions: ArrayLike) -> list[Argument]:
+        return directions_of(f"{type(self).__name__}.{method}", **directions)
 
     @property
     def _channels(self) -> tuple[int, ...]:
         return np.broadcast_shapes(*(constant.shape for constant in self._constants))
 
-    def _of(self, operation: str, values: list[Array], wide: tuple[Any, ...]) -> Any:
+    def _of(
+        self,
+        operation: str,
+        values: list[Array],
+        wide: tuple[Any, ...],
+        constants: tuple[Array, ...] | None = None,
+    ) -> Any:
         """A kernel at values (...), for every channel of the material: (..., *channels).
 
-        Of a kernel with several results the first three are a direction: (..., *channels, 3).
+        Of a kernel with several results the first three are a direction: (..., *channels, 3). Each run of its
+        loop prepares the distribution: it runs over the elements for one channel after the other, or over the
+        channels where these are more.
         """
-        behind = (np.newaxis,) * len(self._channels)
-        lifted = [value[(..., *behind)] for value in values]
-        constants = [constant.astype(values[0].dtype) for constant in self._constants]
-        places = [
-            place[(..., *behind)] if isinstance(place, np.ndarray) and place.ndim else place for place in wide
-        ]
-        kernel, inputs = self._kernel(operation), (*lifted, *constants, *places, *self.ndf._values)
+        constants = self._constants if constants is None else constants
+        channels = np.broadcast_shapes(*(constant.shape for constant in constants))
+        shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *wide)))
+        dtype, counts = values[0].dtype, (math.prod(shape), math.prod(channels))
+        over_channels = counts[0] < counts[1]
+
+        def of_elements(value: Any) -> Any:
+            if np.ndim(value) == 0 and not isinstance(value, np.ndarray):
+                return value
+            flat = np.broadcast_to(value, shape).reshape(-1)
+            return flat[:, np.newaxis] if over_channels else flat
+
+        def of_channels(constant: Array) -> Array:
+            flat = np.broadcast_to(_within(constant, dtype), channels).reshape(-1)
+            return flat if over_channels else flat[:, np.newaxis]
+
+        def result(out: Array, *own: int) -> Any:
+            ordered = out if over_channels else np.moveaxis(out, 0, 1)
+            return ordered.reshape((*shape, *channels, *own))[()]
+
+        kernel, ordered = self._kernel(operation), counts if over_channels else counts[::-1]
+        inputs = (*map(of_elements, values), *map(of_channels, constants), *map(of_elements, wide))
+        outs = [np.empty(ordered, dtype) for _ in range(kernel.nout)]
         if kernel.nout < 3:
-            return kernel(*inputs)
-        shape = np.broadcast_shapes(*(np.shape(x) for x in inputs))
-        wo = np.empty((*shape, 3), values[0].dtype)
-        rest = kernel(*inputs, out=(*(wo[..., k] for k in range(3)), *[None] * (kernel.nout - 3)))[3:]
-        return wo, *rest
+            kernel(*inputs, *self.ndf._values, out=tuple(outs))
+            return result(outs[0]) if kernel.nout == 1 else tuple(map(result, outs))
+        wo = np.empty((*ordered, 3), dtype)
+        kernel(*inputs, *self.ndf._values, out=(*xyz(wo), *outs[3:]))
+        return result(wo, 3), *map(result, outs[3:])
 
-    def _walk_eval(
-        self, wi: Array, wo: Array, rng: Any, n: int, orders: tuple[float, float], radiance: float
-    ) -> Any:
-        if not (isinstance(n, int | np.integer) and n >= 1):
-            raise ValueError(f"{type(self).__name__}.eval: n must be a whole number in [1, inf), got {n!r}")
-        shape = np.broadcast_shapes(wi.shape[:-1], wo.shape[:-1])
-        elements = np.arange(float(np.prod(shape, dtype=np.int64))).reshape(shape)
-        wide = (elements, seed_of(type(self).__name__, rng), radiance, float(n), *orders)
-        return self._of("walk_eval", [*xyz(wi), *xyz(wo)], wide)
-
-    def _walk_sample(self, wi: Array, rng: Any, radiance: float) -> tuple[Array, Any, Array]:
-        """Directions out, their weights, and how many facets light met."""
-        elements = np.arange(float(np.prod(wi.shape[:-1], dtype=np.int64))).reshape(wi.shape[:-1])
-        wide = (elements, seed_of(type(self).__name__, rng), radiance)
-        wo, weight, order = self._of("walk", xyz(wi), wide)
+    def _walk_sample(
+        self, wi: Array, elements: Array, *, seed: float, radiance: float
+    ) -> tuple[Array, Any, Array]:
+        """Directions out of unit ones, their weights, and how many facets light met."""
+        wo, weight, order = self._of("walk", xyz(wi), (elements, seed, radiance))
         # Of the channels, which share a walk, the one that went farthest has its end.
         for _ in self._channels:
             last = np.expand_dims(np.argmax(order, axis=-1), -1)
@@ -136,19 +175,49 @@ class MaterialKernels:
             wo = np.take_along_axis(wo, last[..., np.newaxis], axis=-2)[..., 0, :]
         return wo, weight, np.asarray(order).astype(np.int64)
 
-    def _uniforms(self, xi: ArrayLike, dtype: Any) -> list[Array]:
-        array = np.asarray(xi)
-        dims = self.sample_dims
-        if array.ndim == 0 or array.shape[-1] < dims or array.dtype.kind not in "iuf":
-            raise ValueError(
-                f"{type(self).__name__}.sample: xi must be real numbers of shape (..., {dims}), "
-                f"got {array.dtype} of shape {array.shape}"
-            )
-        parts = [np.asarray(array[..., k], dtype) for k in range(dims)]
+    def _of_facet_and_choice(self, xi: Array, dtype: Any) -> list[Array]:
+        """The four uniform numbers of kernels, which do not look at more than they need."""
+        given = narrowed(xi, dtype)
+        parts = [given[..., k] for k in range(given.shape[-1])]
         choice = parts.pop() if self._transmits else parts[-1]
-        while len(parts) < 3:  # kernels do not look at more than they need
-            parts.append(parts[-1])
-        return [*parts, choice]
+        return [*parts, *[parts[-1]] * (3 - len(parts)), choice]
+
+
+def directions_of(owner: str, **directions: ArrayLike) -> list[Argument]:
+    """Arrays (..., 3) of real numbers, for `lifted`."""
+    return [(_real(owner, name, given, 3, exactly=True), "w") for name, given in directions.items()]
+
+
+def uniforms_of(owner: str, xi: ArrayLike | None, dims: int) -> Argument:
+    """An array (..., dims) of uniform numbers, of which there may be more, for `lifted`."""
+    if xi is None:
+        raise ValueError(f"{owner}: give xi, of shape (..., {dims})")
+    return _real(owner, "xi", xi, dims, exactly=False)[..., :dims], "xi"
+
+
+def _real(owner: str, name: str, given: ArrayLike, length: int, *, exactly: bool) -> Any:
+    array = as_array(given)
+    last = array.shape[-1] if array.ndim else 0
+    if last < length or (exactly and last != length) or array.dtype.kind not in "iuf":
+        raise ValueError(
+            f"{owner}: {name} must be real numbers of shape (..., {length}), "
+            f"got {array.dtype} of shape {array.shape}"
+        )
+    return array
+
+
+def narrowed(xi: Array, dtype: Any) -> Array:
+    """Uniform numbers in another type, in which those below 1 stay below 1."""
+    result = np.asarray(xi, dtype)
+    rounded = (result == 1) & (xi < 1)
+    return np.where(rounded, np.nextafter(result.dtype.type(1), 0), result) if rounded.any() else result
+
+
+def _within(constant: Array, dtype: Any) -> Array:
+    """An optical constant in the type of a kernel that holds its reciprocal too: beyond, nothing changes."""
+    most = 2.0 ** (np.finfo(dtype).maxexp - 3)
+    inside = (constant > 0) & (constant < np.inf)
+    return np.where(inside, np.clip(constant, 1 / most, most), constant).astype(dtype)
 
 
 def xyz(w: Array) -> list[Array]:

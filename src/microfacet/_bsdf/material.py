@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from microfacet._arrays import lifted, numbered
 from microfacet._bsdf.albedo import albedo as albedo_of
 from microfacet._bsdf.albedo import average_albedo as average_albedo_of
-from microfacet._bsdf.kernels import NO_ORDER, MaterialKernels, seed_of, xyz
+from microfacet._bsdf.kernels import NO_ORDER, Array, MaterialKernels, seed_of, units, xyz
 
 __all__ = ["Material"]
 
@@ -49,12 +52,23 @@ class Material(MaterialKernels):
         -------
         ndarray or scalar, shape (..., *channels)
         """
-        i, o = self._directions("eval", wi=wi, wo=wo)
+        given = self._directions("eval", wi=wi, wo=wo)
         if self.scattering == "single":
             if self._closed:
-                return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), self._radiance))
+                return lifted(self._eval, *given)
             orders = (max(1, orders[0]), min(1, orders[1]))
-        return self._walk_eval(i, o, rng, n, orders, self._radiance)
+        if not (isinstance(n, int | np.integer) and n >= 1):
+            raise ValueError(f"{type(self).__name__}.eval: n must be a whole number in [1, inf), got {n!r}")
+        wide = (seed_of(type(self).__name__, rng), self._radiance, float(n), *orders)
+        return lifted(partial(self._walk_eval, wide), *given, numbered(*given))
+
+    def _eval(self, wi: Array, wo: Array) -> Any:
+        i, o = units(wi, wo)
+        return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), self._radiance))
+
+    def _walk_eval(self, wide: tuple[float, ...], wi: Array, wo: Array, elements: Array) -> Any:
+        i, o = units(wi, wo)
+        return self._of("walk_eval", [*xyz(i), *xyz(o)], (elements, *wide))
 
     def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
         """Walks from `wi`: directions out, what is left of the light, and how many facets it met.
@@ -80,8 +94,23 @@ class Material(MaterialKernels):
         >>> float(weight)
         1.0
         """
-        (i,) = self._directions("walk", wi=wi)
-        return self._walk_sample(i, rng, self._radiance)
+        given = self._directions("walk", wi=wi)
+        walk = partial(self._walk, seed_of(type(self).__name__, rng))
+        wo, weight, facets = lifted(walk, *given, numbered(*given), results=("w", "", ""))
+        return wo, weight, facets
+
+    def _sample_walk(self, seed: float, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
+        """Samples by walks, of which one order alone may count."""
+        (i,) = units(wi)
+        wo, weight, facets = self._walk_sample(i, elements, seed=seed, radiance=self._radiance)
+        if self.scattering == "single":
+            once = (facets == 1).reshape(facets.shape + (1,) * len(self._channels))
+            weight = np.where(once, weight, 0)
+        return wo, weight, self._pdf(i, wo)
+
+    def _walk(self, seed: float, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
+        (i,) = units(wi)
+        return self._walk_sample(i, elements, seed=seed, radiance=self._radiance)
 
     def albedo(
         self, wi: ArrayLike, *, n: int = 10_000, rng: Any = None, part: str = "all", with_error: bool = False

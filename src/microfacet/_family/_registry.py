@@ -51,6 +51,15 @@ class Family:
     sources: tuple[str, ...]
     anisotropic: bool
 
+    def __reduce__(self) -> tuple[Any, ...]:  # a module does not pickle; there is one record of a family
+        return _named, (self.name,)
+
+
+def _named(name: str) -> Family:
+    from microfacet._family import families
+
+    return next(family for family in families() if family.name == name)
+
 
 def describe(module: Any) -> Family:
     """The record of the family that `module` presents; domains and sources come from its C++ header."""

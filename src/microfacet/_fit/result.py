@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from microfacet._value import Value
+
 __all__ = ["FitResult", "Goodness", "TableFit"]
 
 
-@dataclass(frozen=True)
-class Goodness:
+@dataclass(frozen=True, eq=False)
+class Goodness(Value):
     """How well the fitted family describes the slopes, in standard space where the family is isotropic.
 
     Attributes
@@ -37,8 +39,8 @@ class Goodness:
     sectors: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class FitResult:
+@dataclass(frozen=True, eq=False)
+class FitResult(Value):
     """A family fitted to slopes by maximum likelihood.
 
     Attributes
@@ -111,8 +113,8 @@ class FitResult:
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class TableFit:
+@dataclass(frozen=True, eq=False)
+class TableFit(Value):
     """A family fitted to a table.
 
     Attributes

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from microfacet._fit.estimate import Progress, chosen_families, fit
 from microfacet._fit.result import FitResult
 from microfacet._surface import Surface
+from microfacet._value import Value
 
 __all__ = ["ScaleFit", "fit_scales"]
 
@@ -19,8 +20,8 @@ _FEWEST_BASELINES = 8  # that have to fit side by side into the map
 _NOISE_EXPONENT = -0.85
 
 
-@dataclass(frozen=True)
-class ScaleFit:
+@dataclass(frozen=True, eq=False)
+class ScaleFit(Value):
     """Fits of one surface at several lags.
 
     Attributes

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._surface.checks import SurfaceError, checked_lag, height_array, pixel_sizes, positive
+from microfacet._value import Value
 
 __all__ = ["HeightMap", "PrincipalAxes"]
 
@@ -24,7 +25,7 @@ class PrincipalAxes(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class HeightMap:
+class HeightMap(Value):
     """The data of a `Surface`, which documents them, and what is read off them."""
 
     heights: NDArray[np.float64]

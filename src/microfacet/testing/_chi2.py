@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from microfacet._value import Value
 from microfacet.testing._cells import DOMAINS, Cells, theta
 from microfacet.testing._quadrature import integrate
 from microfacet.testing._threshold import sidak
@@ -25,8 +26,8 @@ _FEWEST = 5.0  # expected samples of a cell; below, the statistic is no chi-squa
 _MASS = 1e-3  # by which the integral of a density may miss what it should be
 
 
-@dataclass(frozen=True, repr=False)
-class Chi2Result:
+@dataclass(frozen=True, eq=False, repr=False)
+class Chi2Result(Value):
     """Outcome of `chi2`; true where the sampler passed.
 
     Attributes
@@ -55,9 +56,9 @@ class Chi2Result:
     p_value: float
     threshold: float
     n: int
-    histogram: NDArray[np.int64] = field(compare=False)
-    expected: Array = field(compare=False)
-    cells: Array = field(compare=False)
+    histogram: NDArray[np.int64]
+    expected: Array
+    cells: Array
     mass: float
     outside: int
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from microfacet._value import Value
 from microfacet.testing._threshold import sidak
 
 __all__ = ["SlopeResult", "ks_visible_slope", "visible_slope_cdf"]
@@ -19,8 +20,8 @@ Array = NDArray[np.float64]
 _STEEPEST = {"float32": 1e17, "float64": 1e149}
 
 
-@dataclass(frozen=True, repr=False)
-class SlopeResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class SlopeResult(Value):
     """Outcome of `ks_visible_slope`; true where the sampler passed.
 
     Attributes
