@@ -113,7 +113,7 @@ class scattering_pair {
                   const T& area) const {
     const facet_statistics<T> mirrors{D_of_mirror, area, T(0)};
     if constexpr (transmits) {
-      return {select(dot(wi_, m) > T(0), material_.reflected(wi_, m, mirrors), T(0)),
+      return {material_.reflected(wi_, m, mirrors),
               material_.refracted(wi_, wo_, l, facet_statistics<T>{D_of_lens, area, T(0)})};
     } else {
       return {pdf_of_mirrors(mirrors), T(0)};
