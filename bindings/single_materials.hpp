@@ -1,6 +1,7 @@
 // Single scattering of blocks of elements.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
@@ -63,18 +64,18 @@ class single_step {
     if (b_.narrow_results)
       for (auto* part : {&wo_.x, &wo_.y, &wo_.z})
         for (Real& x : *part) x = static_cast<Real>(static_cast<float>(x));
-    look_between();
-    if (peaks()) {
-      const L rounding(b_.narrow_results ? L(0x1p-23) : L(std::numeric_limits<Real>::epsilon()));
-      each([&](int i) {
-        const auto infinite = (at<L>(D_, i) == L(inf)) | (at<L>(D_of_other_, i) == L(inf));
-        put(beside_peak(at<L>(wo_, i), infinite, rounding), wo_, i);
-      });
-      look_between();
-    }
-    d_.area(b_.padded, wi_, area_), d_.area(b_.padded, blocking_, blocked_);
-    if (bounded) d_.pdf_bounded(b_.padded, m_, wi_, pdf_bounded_);
-    each([&](int i) { finish(i, bounded); });
+    d_.area(b_.padded, wi_, area_);
+    finish(bounded);
+    using limits = std::numeric_limits<float>;
+    const Real largest = b_.narrow_results ? Real(limits::max()) : std::numeric_limits<Real>::max(),
+               rounding = b_.narrow_results ? Real(limits::epsilon()) : std::numeric_limits<Real>::epsilon();
+    if (std::none_of(b_.out[4].begin(), b_.out[4].begin() + b_.padded,
+                     [&](Real pdf) { return pdf > largest; }))
+      return;
+    each([&](int i) {
+      put(beside_peak(material(7, i), at<L>(wo_, i), at<L>(b_.out[4], i), L(largest), L(rounding)), wo_, i);
+    });
+    finish(bounded);
   }
   // wi, m, material | correlated: what the facets m send on their way and out, of light from wi, per
   // steradian of normals: mirrored, and passed.
@@ -102,20 +103,16 @@ class single_step {
   static constexpr bool transmits = requires(const Material<L> m) { m.eta(); };
   using draw = typename pair::draw;
 
-  // What the distribution says of the facets between wi and the directions drawn.
-  void look_between() {
+  // From the directions that were drawn: what the distribution says of the facets between them and wi.
+  void finish(bool bounded) {
     each([&](int i) {
       const pair p = drawn(i);
       put(p.blocking(), blocking_, i), put(p.mirror(), m_, i), put(p.lens(), other_, i);
     });
-    d_.D(b_.padded, m_, D_);
+    d_.D(b_.padded, m_, D_), d_.area(b_.padded, blocking_, blocked_);
     if (transmits) d_.D(b_.padded, other_, D_of_other_);
-  }
-  bool peaks() const {
-    bool found = false;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(b_.padded); ++i)
-      found |= D_[i] == Real(inf) || D_of_other_[i] == Real(inf);
-    return found;
+    if (bounded) d_.pdf_bounded(b_.padded, m_, wi_, pdf_bounded_);
+    each([&](int i) { finish(i, bounded); });
   }
   void finish(int i, bool bounded) {
     draw r = drawn(i).result(at<L>(passed_, i), at<L>(m_, i), statistics(i), at<L>(other_, i),

@@ -58,8 +58,7 @@ class scattering_pair {
 
   // f |cos wo|. Radiance is scaled by 1/eta^2 where light passes.
   T eval(const vec3<T>& m, const facet_statistics<T>& at, bool correlated, bool radiance) const {
-    const T leaves = shadowing<transmits>(wi_.z, wo_.z, at, correlated) * scale(radiance);
-    return inside(share(leaves, material_.phase(wi_, wo_, m, at)));
+    return inside(share(leaves(at, correlated, radiance), material_.phase(wi_, wo_, m, at)));
   }
   // Of all directions that the visible normals give, also of those that no light leaves in.
   T pdf(const vec3<T>& m, const T& D_of_mirror, const vec3<T>& l, const T& D_of_lens, const T& area) const {
@@ -77,14 +76,13 @@ class scattering_pair {
               const T& D_of_lens, bool correlated, bool radiance) const {
     const densities d = parts(m, at.D, l, D_of_lens, at.area);
     const T density = d.mirrors + d.lenses;
-    T weight = shadowing<transmits>(wi_.z, wo_.z, at, correlated) * scale(radiance);
+    T weight = leaves(at, correlated, radiance);
     if constexpr (transmits) {
       // Of what goes there, the part that can leave: mirrored light above, the rest below.
       const auto above = wo_.z > T(0), crossed = passed > T(0);
       const T part = select(above, d.mirrors, d.lenses) / maximum(density, smallest<T>());
       const T sure = select((above & !crossed) | ((wo_.z < T(0)) & crossed), T(1), T(0));
       weight = share(select((density > smallest<T>()) & (density < T(inf)), part, sure), weight);
-      weight = select(material_.eta() == T(1), T(T(1) + T(0) * wi_.z), weight);
     } else {
       weight = weight * material_.reflectance(dot(wi_, m));
     }
@@ -119,11 +117,15 @@ class scattering_pair {
       return {pdf_of_mirrors(mirrors), T(0)};
     }
   }
-  T scale(bool radiance) const {
+  // What leaves the surface of the light that facets send to wo: all of it where there is none.
+  T leaves(const facet_statistics<T>& at, bool correlated, bool radiance) const {
+    const T seen = shadowing<transmits>(wi_.z, wo_.z, at, correlated);
     if constexpr (transmits) {
-      if (radiance) return select(wo_.z < T(0), square(T(T(1) / material_.eta())), T(1));
+      const T scale = radiance ? select(wo_.z < T(0), square(T(T(1) / material_.eta())), T(1)) : T(1);
+      return select(material_.eta() == T(1), T(T(1) + T(0) * seen), T(seen * scale));
+    } else {
+      return seen;
     }
-    return T(1);
   }
   // 0 where no light goes: from or to the horizon, and below an opaque surface.
   T inside(const T& value) const {
@@ -151,10 +153,13 @@ T pdf(const Material& material, const Distribution& ndf, const vec3<T>& wi, cons
   return pair.pdf(m, ndf.D(m), l, ndf.D(l), ndf.sigma(pair.wi()));
 }
 
-// Moves a drawn direction by a rounding where a facet between it and wi has infinite density: f and the
-// density of what is drawn are numbers.
-template <class Mask, class T>
-vec3<T> beside_peak(const vec3<T>& wo, const Mask& infinite, const T& rounding) {
+// Moves a drawn direction by a rounding where its density is infinite, as at the peak of a sharp
+// distribution: of what is drawn both f and the density are numbers. Equal indices have no others.
+template <class Material, class T>
+vec3<T> beside_peak(const Material& material, const vec3<T>& wo, const T& pdf, const T& largest,
+                    const T& rounding) {
+  auto infinite = pdf > largest;
+  if constexpr (requires { material.eta(); }) infinite = infinite & (material.eta() != T(1));
   return {select(infinite, T(wo.x + rounding), wo.x), wo.y, wo.z};
 }
 
@@ -164,18 +169,19 @@ template <class Material, class Distribution, class T>
 auto sample(const Material& material, const Distribution& ndf, const vec3<T>& wi, const vec3<T>& xi,
             const T& choice, bool correlated = true, bool radiance = true) {
   using pairs = scattering_pair<Material, T>;
-  const T rounding(std::numeric_limits<typename scalar_traits<T>::real>::epsilon());
+  using limits = std::numeric_limits<typename scalar_traits<T>::real>;
   const vec3<T> facet = sample_visible(ndf, pairs(material, wi, wi).wi(), xi.x, xi.y, xi.z);
   const pairs drawn = pairs::drawn(material, wi, facet, choice);
-  pairs pair(material, wi, drawn.wo());
-  T D_of_mirror = ndf.D(pair.mirror()), D_of_lens = ndf.D(pair.lens());
-  if (const auto infinite = (D_of_mirror == T(inf)) | (D_of_lens == T(inf)); some_lane(infinite)) {
-    pair = pairs(material, wi, beside_peak(drawn.wo(), infinite, rounding));
-    D_of_mirror = ndf.D(pair.mirror()), D_of_lens = ndf.D(pair.lens());
-  }
-  return pair.result(drawn.passed(), pair.mirror(),
-                     {D_of_mirror, ndf.sigma(pair.wi()), ndf.sigma(pair.blocking())}, pair.lens(), D_of_lens,
-                     correlated, radiance);
+  const auto ask = [&](const vec3<T>& wo) {
+    const pairs pair(material, wi, wo);
+    const vec3<T> m = pair.mirror(), l = pair.lens();
+    return pair.result(drawn.passed(), m, {ndf.D(m), ndf.sigma(pair.wi()), ndf.sigma(pair.blocking())}, l,
+                       ndf.D(l), correlated, radiance);
+  };
+  const auto found = ask(drawn.wo());
+  const T largest((limits::max)());
+  if (!some_lane(found.pdf > largest)) return found;
+  return ask(beside_peak(material, drawn.wo(), found.pdf, largest, T(limits::epsilon())));
 }
 
 }  // namespace microfacet

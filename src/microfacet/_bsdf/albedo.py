@@ -160,9 +160,9 @@ def _weights(material: MaterialKernels, wi: Array, seed: float, elements: Array,
     wo, weight, facets = material._of("walk", parts, (elements, seed, material._radiance))
     if part != "all":
         side = wo[..., 2] * wi[(..., 2, *(np.newaxis,) * len(material._channels))]
-        weight = np.where(side > 0 if part == "reflected" else side < 0, weight, 0.0)
+        weight = np.where(side > 0 if part == "reflected" else side < 0, weight, 0 * weight)
     if material.scattering == "single":
-        weight = np.where(facets == 1, weight, 0.0)
+        weight = np.where(facets == 1, weight, 0 * weight)
     return np.asarray(weight, np.float64).reshape(*elements.shape, -1)
 
 

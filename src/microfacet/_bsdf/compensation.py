@@ -179,6 +179,7 @@ class KullaConty(_Compensated):
     -----
     Reciprocal. A white metal reflects all light; of a coloured one the colour is an estimate. The lobe knows
     no direction: see docs/compensation.md for how far it is from the walk.
+    Directions have any length but 0, as for `Conductor`.
 
     References
     ----------
@@ -216,11 +217,12 @@ class KullaConty(_Compensated):
         radius, turn = np.sqrt(numbers[..., 0]), 2 * np.pi * numbers[..., 1]
         height = np.sqrt(1 - numbers[..., 0])
         diffuse = np.stack((radius * np.cos(turn), radius * np.sin(turn), height), -1)
-        wo = np.where((numbers[..., -1] < self._energy(given[..., 2]))[..., np.newaxis], once, diffuse)
+        single = numbers[..., -1] < self._energy(given[..., 2])
+        wo = np.where(single[..., np.newaxis], once, diffuse + 0 * given[..., 2:])  # nan for nan
         density = self._pdf(given, wo)
         behind = self._behind(np.asarray(density))
         with np.errstate(all="ignore"):
-            weight = np.where(behind > 0, self._eval(given, wo) / behind, 0.0)
+            weight = np.where(behind > 0, self._eval(given, wo) / behind, 0 * behind)
         return wo, weight, density
 
     @property
@@ -255,7 +257,7 @@ class Turquin(_Compensated):
     Notes
     -----
     Not reciprocal. A white metal reflects all light, but into the lobe of the first order, where the walk
-    spreads it.
+    spreads it. Directions have any length but 0, as for `Conductor`.
 
     References
     ----------

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, number, seed_of, uniforms_of, units, xyz
+from microfacet._bsdf.kernels import Array, lit, number, seed_of, uniforms_of, units, xyz
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -43,6 +43,16 @@ class Conductor(Material):
     ------
     ValueError
         If an argument lies outside its domain; the message names it.
+
+    Notes
+    -----
+    Directions have any length but 0: methods normalise them, and leave alone what is of length 1 to rounding.
+    Results are nan along 0 and along what is no number.
+
+    K0 and Bessel K with a <= 1 are infinite at the macroscopic normal: `eval` and `pdf` are inf in the mirror
+    direction then. No drawn direction is one of these, and weights are numbers always.
+    Where `eta` or `k` is beyond the range of float32, and directions are float32, the metal is that of the
+    nearest index inside it; both are as good as mirrors.
 
     References
     ----------
@@ -111,7 +121,7 @@ class Conductor(Material):
             "pdf", [*xyz(i), *xyz(o)], (float(bounded),), (np.asarray(np.inf), np.asarray(0.0))
         )
         if self.scattering == "multiple":
-            diffuse = np.where(i[..., 2] > 0, np.maximum(o[..., 2], 0), 0) * i.dtype.type(1 / np.pi)
+            diffuse = lit(i, o) * i.dtype.type(1 / np.pi)
             return (0.75 * density + 0.25 * diffuse).astype(i.dtype)[()]
         return density
 
@@ -123,7 +133,7 @@ class Conductor(Material):
         Parameters
         ----------
         wi : array_like, shape (..., 3)
-            Unit directions, away from the surface.
+            Directions, away from the surface.
         xi : array_like, shape (..., sample_dims)
             Uniform numbers in [0, 1), for single scattering.
         rng : int or numpy.random.Generator, optional

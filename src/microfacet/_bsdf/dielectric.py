@@ -30,8 +30,7 @@ class Dielectric(Material):
     ndf : distribution
         Of any family.
     eta : float
-        Index of refraction below the surface over that above, in (0, inf), whatever side wi is on. With 1
-        there is no surface: samples go straight on with weight 1, and no direction has a density.
+        Index of refraction below the surface over that above, in (0, inf), whatever side wi is on.
     scattering : {"single", "multiple"}
         One order, in closed form; or all of them, whose evaluation is a Monte Carlo estimate.
     mode : {"radiance", "importance"}
@@ -44,6 +43,19 @@ class Dielectric(Material):
     ------
     ValueError
         If an argument lies outside its domain; the message names it.
+
+    Notes
+    -----
+    Directions have any length but 0: methods normalise them, and leave alone what is of length 1 to rounding.
+    Results are nan along 0 and along what is no number.
+
+    K0 and Bessel K with a <= 1 are infinite at the macroscopic normal: `eval` and `pdf` are inf then in the
+    mirror direction, and in the direction that a flat surface refracts to. No drawn direction is one of
+    these, and weights are numbers always.
+
+    With ``eta=1`` there is no surface: samples go straight on with weight 1. That is a delta distribution, so
+    `eval` and `pdf` are inf for wo = -wi exactly, and 0 elsewhere. Close to 1, a pair of directions knows its
+    facet to their rounding over ``eta - 1``; `sample` returns what `pdf` says of its direction.
 
     References
     ----------

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, number, seed_of, units
+from microfacet._bsdf.kernels import Array, lit, number, seed_of, units
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -37,6 +37,11 @@ class Diffuse(Material):
     ------
     ValueError
         If an argument lies outside its domain; the message names it.
+
+    Notes
+    -----
+    Directions have any length but 0: methods normalise them, and leave alone what is of length 1 to rounding.
+    Results are nan along 0 and along what is no number.
 
     References
     ----------
@@ -75,7 +80,7 @@ class Diffuse(Material):
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
         i, o = units(wi, wo)
-        return np.where(i[..., 2] > 0, np.maximum(o[..., 2], 0), 0)[()] * i.dtype.type(1 / np.pi)
+        return lit(i, o)[()] * i.dtype.type(1 / np.pi)
 
     def sample(self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None) -> tuple[Any, Any, Any]:
         """Directions out of walks for `wi`, what is left of the light, and the density that `pdf` says.

@@ -16,6 +16,7 @@ __all__ = [
     "NO_ORDER",
     "MaterialKernels",
     "directions_of",
+    "lit",
     "number",
     "seed_of",
     "uniforms_of",
@@ -222,6 +223,12 @@ def _within(constant: Array, dtype: Any) -> Array:
 
 def xyz(w: Array) -> list[Array]:
     return [w[..., 0], w[..., 1], w[..., 2]]
+
+
+def lit(wi: Array, wo: Array) -> Array:
+    """Cosine of `wo` where both are above the surface, else 0; nan for nan."""
+    i, o = wi[..., 2], wo[..., 2]
+    return np.asarray(np.where(i > 0, np.maximum(o, 0), 0) + 0 * (i + o))
 
 
 def seed_of(owner: str, rng: Any) -> float:

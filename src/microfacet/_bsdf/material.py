@@ -37,7 +37,7 @@ class Material(MaterialKernels):
         Parameters
         ----------
         wi, wo : array_like, shape (..., 3)
-            Unit directions, away from the surface; reflection with both on one side, else transmission. Below
+            Directions, away from the surface; reflection with both on one side, else transmission. Below
             an opaque surface nothing is scattered.
         n : int
             Where values are estimates, that is with multiple scattering and for `Diffuse`: how many walks
@@ -76,7 +76,7 @@ class Material(MaterialKernels):
         Parameters
         ----------
         wi : array_like, shape (..., 3)
-            Unit directions, away from the surface.
+            Directions, away from the surface.
         rng : int or numpy.random.Generator, optional
             As for `eval`.
 
@@ -105,7 +105,7 @@ class Material(MaterialKernels):
         wo, weight, facets = self._walk_sample(i, elements, seed=seed, radiance=self._radiance)
         if self.scattering == "single":
             once = (facets == 1).reshape(facets.shape + (1,) * len(self._channels))
-            weight = np.where(once, weight, 0)
+            weight = np.where(once, weight, 0 * weight)
         return wo, weight, self._pdf(i, wo)
 
     def _walk(self, seed: float, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
@@ -120,7 +120,7 @@ class Material(MaterialKernels):
         Parameters
         ----------
         wi : array_like, shape (..., 3)
-            Unit directions, away from the surface.
+            Directions, away from the surface.
         n, rng : int, int or numpy.random.Generator, optional
             How many random walks a direction takes, and their seed, with multiple scattering and for
             `Diffuse`. Single scattering of the others is an integral over the facets and needs neither.
