@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 
 #include "blocks.hpp"
@@ -22,7 +23,7 @@ namespace {
 struct material_operation {
   const char* name;
   std::size_t values, elements, constants, outputs;
-  std::size_t uniforms;  // behind wi
+  std::size_t directions, uniforms;  // the values begin with these
   material_kernel<float> single;
   material_kernel<double> wide;
   template <class Real>
@@ -36,23 +37,39 @@ struct material_operation {
   std::size_t numbers() const { return values + elements + constants; }
 };
 
-#define MICROFACET_MATERIAL(NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, UNIFORMS, KERNEL, MATERIAL) \
-  {NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, UNIFORMS, &KERNEL<MATERIAL, float>, &KERNEL<MATERIAL, double>}
+// Directions of unit length.
+template <template <class> class, class Real>
+void unit_direction(const array_distribution<Real>&, material_block<Real>& b) {
+  std::copy_n(b.in.begin(), 3, b.out.begin());
+}
+
+#define MICROFACET_MATERIAL(NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, DIRECTIONS, UNIFORMS, KERNEL, \
+                            MATERIAL)                                                                 \
+  {NAME,                                                                                              \
+   VALUES,                                                                                            \
+   ELEMENTS,                                                                                          \
+   CONSTANTS,                                                                                         \
+   OUTPUTS,                                                                                           \
+   DIRECTIONS,                                                                                        \
+   UNIFORMS,                                                                                          \
+   &KERNEL<MATERIAL, float>,                                                                          \
+   &KERNEL<MATERIAL, double>}
 constexpr material_operation operations[] = {
-    MICROFACET_MATERIAL("conductor_eval", 8, 0, 2, 1, 0, single_eval, conductor),
-    MICROFACET_MATERIAL("conductor_pdf", 8, 0, 1, 1, 0, single_pdf, conductor),
-    MICROFACET_MATERIAL("conductor_sample", 9, 0, 3, 5, 4, single_sample, conductor),
-    MICROFACET_MATERIAL("conductor_facets", 8, 0, 1, 2, 0, single_facets, conductor),
-    MICROFACET_MATERIAL("conductor_walk", 5, 1, 2, 5, 0, walk_sample, conductor),
-    MICROFACET_MATERIAL("conductor_walk_eval", 8, 1, 5, 1, 0, walk_eval, conductor),
-    MICROFACET_MATERIAL("dielectric_eval", 7, 0, 2, 1, 0, single_eval, dielectric),
-    MICROFACET_MATERIAL("dielectric_pdf", 7, 0, 1, 1, 0, single_pdf, dielectric),
-    MICROFACET_MATERIAL("dielectric_sample", 8, 0, 3, 5, 4, single_sample, dielectric),
-    MICROFACET_MATERIAL("dielectric_facets", 7, 0, 1, 2, 0, single_facets, dielectric),
-    MICROFACET_MATERIAL("dielectric_walk", 4, 1, 2, 5, 0, walk_sample, dielectric),
-    MICROFACET_MATERIAL("dielectric_walk_eval", 7, 1, 5, 1, 0, walk_eval, dielectric),
-    MICROFACET_MATERIAL("diffuse_walk", 4, 1, 2, 5, 0, walk_sample, diffuse),
-    MICROFACET_MATERIAL("diffuse_walk_eval", 7, 1, 5, 1, 0, walk_eval, diffuse),
+    MICROFACET_MATERIAL("unit_direction", 3, 0, 0, 3, 1, 0, unit_direction, diffuse),
+    MICROFACET_MATERIAL("conductor_eval", 8, 0, 2, 1, 2, 0, single_eval, conductor),
+    MICROFACET_MATERIAL("conductor_pdf", 8, 0, 1, 1, 2, 0, single_pdf, conductor),
+    MICROFACET_MATERIAL("conductor_sample", 9, 0, 3, 5, 1, 4, single_sample, conductor),
+    MICROFACET_MATERIAL("conductor_facets", 8, 0, 1, 2, 2, 0, single_facets, conductor),
+    MICROFACET_MATERIAL("conductor_walk", 5, 1, 2, 5, 1, 0, walk_sample, conductor),
+    MICROFACET_MATERIAL("conductor_walk_eval", 8, 1, 5, 1, 2, 0, walk_eval, conductor),
+    MICROFACET_MATERIAL("dielectric_eval", 7, 0, 2, 1, 2, 0, single_eval, dielectric),
+    MICROFACET_MATERIAL("dielectric_pdf", 7, 0, 1, 1, 2, 0, single_pdf, dielectric),
+    MICROFACET_MATERIAL("dielectric_sample", 8, 0, 3, 5, 1, 4, single_sample, dielectric),
+    MICROFACET_MATERIAL("dielectric_facets", 7, 0, 1, 2, 2, 0, single_facets, dielectric),
+    MICROFACET_MATERIAL("dielectric_walk", 4, 1, 2, 5, 1, 0, walk_sample, dielectric),
+    MICROFACET_MATERIAL("dielectric_walk_eval", 7, 1, 5, 1, 2, 0, walk_eval, dielectric),
+    MICROFACET_MATERIAL("diffuse_walk", 4, 1, 2, 5, 1, 0, walk_sample, diffuse),
+    MICROFACET_MATERIAL("diffuse_walk_eval", 7, 1, 5, 1, 2, 0, walk_eval, diffuse),
 };
 #undef MICROFACET_MATERIAL
 
@@ -69,6 +86,18 @@ struct material_call {
   npy_intp n;
 };
 
+// Directions of any length; of length 1 to a few roundings of T.
+template <class T, class Compute>
+void normalize(material_block<Compute>& b, std::size_t first) {
+  using pack = lanes<Compute>;
+  const pack tolerance(static_cast<Compute>(
+      8 * std::max<double>(std::numeric_limits<T>::epsilon(), std::numeric_limits<Compute>::epsilon())));
+  for (int i = 0; i < b.padded; i += width<pack>) {
+    const vec3<pack> w = normalized(b.template direction<pack>(first, i), tolerance);
+    put(w.x, b.in[first], i), put(w.y, b.in[first + 1], i), put(w.z, b.in[first + 2], i);
+  }
+}
+
 template <class Compute, class T>
 void run_blocks(const array_distribution<Compute>& d, void* data) {
   const auto& call = *static_cast<const material_call*>(data);
@@ -83,9 +112,10 @@ void run_blocks(const array_distribution<Compute>& d, void* data) {
     b->count = static_cast<int>(count), b->padded = static_cast<int>((count + full - 1) / full * full);
     const auto at = [&](std::size_t a) { return call.args[a] + first * call.steps[a]; };
     for (std::size_t a = 0; a < op.values; ++a) {
-      const bool uniform = a >= 3 && a < 3 + op.uniforms;
+      const bool uniform = a >= 3 * op.directions && a < 3 * op.directions + op.uniforms;
       (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call.steps[a], count, b->in[a]);
     }
+    for (std::size_t k = 0; k < op.directions; ++k) normalize<T>(*b, 3 * k);
     if (op.elements != 0) gather<double>(at(op.values), call.steps[op.values], count, b->element);
     op.template kernel<Compute>()(d, *b);
     for (std::size_t k = 0, a = call.ufunc.inputs(); k < op.outputs; ++k, ++a)

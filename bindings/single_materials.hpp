@@ -38,7 +38,8 @@ class single_step {
   [[gnu::flatten]] void pdf() {
     each([&](int i) {
       const pair p = given(i);
-      put(p.wi(), wi_, i), put(p.mirror(), m_, i), put(p.lens(), other_, i);
+      put(p.wi(), wi_, i), put(p.mirror(), m_, i);
+      if constexpr (transmits) put(p.lens(), other_, i);
     });
     look();
     if (transmits) d_.D(b_.padded, other_, D_of_other_);
@@ -107,7 +108,8 @@ class single_step {
   void finish(bool bounded) {
     each([&](int i) {
       const pair p = drawn(i);
-      put(p.blocking(), blocking_, i), put(p.mirror(), m_, i), put(p.lens(), other_, i);
+      put(p.blocking(), blocking_, i), put(p.mirror(), m_, i);
+      if constexpr (transmits) put(p.lens(), other_, i);
     });
     d_.D(b_.padded, m_, D_), d_.area(b_.padded, blocking_, blocked_);
     if (transmits) d_.D(b_.padded, other_, D_of_other_);
@@ -149,7 +151,7 @@ class single_step {
 
   const array_distribution<Real>& d_;
   material_block<Real>& b_;
-  walk_vectors<Real> wi_, wo_, m_, other_, blocking_;
+  walk_vectors<Real> wi_, wo_, m_, other_{}, blocking_;
   walk_array<Real> passed_, D_, D_of_other_{}, area_, blocked_, pdf_bounded_;
 };
 

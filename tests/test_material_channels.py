@@ -49,7 +49,7 @@ def test_once_for_each_channel(family: str) -> None:
         one, several = calls(make(0.2, 3.9), N), calls(make(*COPPER), N)
         for name in one:
             alone, together = prepared(one[name]), prepared(several[name])
-            assert 1 <= alone <= 2, name
+            assert 1 <= alone <= 4, name  # samples of walks ask for a density, too
             assert together <= channels * alone, name
 
 

@@ -68,10 +68,13 @@ class _Quantity:
     example: str  # the arguments before the parameters
 
 
-_COSINE = Argument("u", "cosine of the angle to the macroscopic normal", "in [-1, 1]", -1.0, 1.0)
-_SLOPE = Argument("p", "slope along x", "any real number")
-_RADIUS = Argument("r", "slope tan(theta)", "in [0, inf)", 0.0)
-_XI = Argument("xi", "uniform random number", "in [0, 1)", 0.0, 1.0)
+_COSINE = ("u", "Cosine of the angle to the macroscopic normal (dimensionless), in [-1, 1].")
+_SLOPE = ("p", "Slope along x (dimensionless), any real number.")
+_XI = (
+    "xi",
+    "Uniform random number, in [0, 1). NumPy rounds it where `dtype` asks for float32 of float64: what is "
+    "above 1 - 2**-25 becomes 1.",
+)
 _NAN = "nan where an argument is nan or a parameter lies outside its domain"
 
 QUANTITIES: Mapping[str, _Quantity] = {

@@ -36,6 +36,14 @@ def _key(value: Any) -> Any:
     return "nan" if isinstance(value, float) and math.isnan(value) else value
 
 
+def _read_only(value: Any) -> Any:
+    """Views of arrays, so that a caller's own stays as it is."""
+    if isinstance(value, np.ndarray):
+        value = value.view()
+        value.flags.writeable = False
+    return tuple(map(_read_only, value)) if type(value) is tuple else value
+
+
 class Value:
     """Base of frozen objects that compare, hash, copy and pickle by what they hold.
 
@@ -52,10 +60,7 @@ class Value:
     def _keep(self, **state: Any) -> Self:
         """The only way to fill it."""
         for name, value in state.items():
-            for part in value if isinstance(value, tuple) else (value,):
-                if isinstance(part, np.ndarray):
-                    part.flags.writeable = False
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, _read_only(value))
         return self
 
     def __setattr__(self, name: str, value: object) -> None:

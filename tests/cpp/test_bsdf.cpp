@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "check.hpp"
@@ -94,13 +95,24 @@ TEST(fresnel) {
     for (const double eta : {0.05, 0.5, 0.99, 1.5, 2.7, 20.0}) {
       const check::note at("cosine ", cosine, " eta ", eta);
       const double want = cosine == 0 ? 1 : reflectance(cosine, eta);
-      CHECK(std::abs(mf::fresnel_dielectric(cosine, eta).reflected - want) < 4e-15);
+      const auto split = mf::fresnel_dielectric(cosine, eta);
+      CHECK(std::abs(split.reflected - want) < 4e-15);
+      CHECK(std::abs(split.reflected + split.passed - 1) < 4e-15);
       for (const double k : {0.0, 1e-3, 0.7, 3.4, 100.0})
         CHECK(std::abs(mf::fresnel_conductor(cosine, eta, k) - reflectance(cosine, {eta, -k})) < 4e-15);
     }
     if (cosine > 0) CHECK(mf::fresnel_dielectric(cosine, 1.0).reflected == 0);
   }
   CHECK(std::isnan(mf::fresnel_dielectric(0.5, 0.0).reflected));
+  CHECK(std::isnan(mf::fresnel_dielectric(0.5, -1.0).passed));
+  // What passes is no difference, and huge indices are mirrors in the end.
+  for (const double eta : {1e9, 1e40, 1e200}) {
+    CHECK_NEAR(mf::fresnel_dielectric(1.0, eta).passed, 4 / eta, 1e-8);
+    CHECK_NEAR(mf::fresnel_dielectric(1.0, 1 / eta).passed, eta < 1e100 ? 4 / eta : 0, 1e-8);
+    CHECK(mf::fresnel_conductor(0.5, eta, 0.0) > 1 - 8 / eta - 1e-15);
+    CHECK(mf::fresnel_conductor(0.5, 1.0, eta) > 1 - 8 / eta - 1e-15);
+  }
+  CHECK(mf::fresnel_conductor(0.7F, 1e30F, 1e35F) == 1 && mf::fresnel_conductor(1.0, 1e-200, 1e-100) == 1);
   CHECK(std::isnan(mf::fresnel_conductor(0.5, 1.0, -1.0)));
 }
 
@@ -131,7 +143,73 @@ TEST(a_pair_of_directions) {
   }
   const auto straight =
       mf::sample(mf::dielectric<double>(1.0), ndf, towards(40), direction{0.3, 0.6, 0.1}, 0.0);
-  CHECK(straight.weight == 1 && straight.wo.z == -towards(40).z);
+  CHECK(straight.weight == 1 && straight.wo.z == -towards(40).z && straight.pdf == mf::inf);
+  const mf::dielectric<double> nothing(1.0);
+  CHECK(mf::pdf(nothing, ndf, towards(40), straight.wo) == mf::inf);
+  CHECK(mf::pdf(nothing, ndf, towards(40), towards(139)) == 0);
+  CHECK(std::isnan(mf::pdf(mf::dielectric<double>(-1.5), ndf, towards(40), towards(139))));
+}
+
+// Of float and double: what is drawn is what eval and pdf say of it, to the last digits.
+template <class T, class Family>
+void check_samples(const Family& family, T alpha, T eta) {
+  const mf::ndf<Family, T, mf::isotropic_shape<T>> ndf(family, mf::isotropic_shape<T>(alpha));
+  const mf::dielectric<T> glass(eta);
+  const check::note at("eta ", static_cast<double>(eta), " of ", sizeof(T), " bytes");
+  for (const T z : {T(1), T(0.8), T(1e-3), T(1e-12), T(-0.5), T(-1e-7)}) {
+    const mf::vec3<T> wi{std::sqrt(1 - z * z), 0, z};
+    for (int i = 0; i < 300; ++i) {
+      const auto number = [i](double ratio) {
+        return static_cast<T>(std::fmod(0.5 + i * ratio, 1.0)) * T(0.999);
+      };
+      const auto drawn = mf::sample(
+          glass, ndf, wi, {number(0.7548776662), number(0.5698402910), number(0.4311)}, number(0.8191725134));
+      CHECK(drawn.pdf >= 0 && drawn.pdf < T(mf::inf) && drawn.weight >= 0 && drawn.weight < T(mf::inf));
+      CHECK(drawn.pdf == mf::pdf(glass, ndf, wi, drawn.wo));
+      const T value = mf::eval(glass, ndf, wi, drawn.wo), product = drawn.weight * drawn.pdf;
+      CHECK(std::abs(value - product) <= 16 * std::numeric_limits<T>::epsilon() * value);
+      CHECK(std::abs(mf::dot(drawn.wo, drawn.wo) - 1) < 8 * std::numeric_limits<T>::epsilon());
+    }
+  }
+}
+
+TEST(samples_at_any_index) {
+  for (const double eta : {1e-9, 0.3, 1 - 1e-6, 1 + 0x1p-23, 1.001, 1.5, 1e9}) {
+    check_samples<double>(mf::ggx<double>(), 0.3, eta);
+    check_samples<float>(mf::ggx<float>(), 0.3F, static_cast<float>(eta));
+    check_samples<double>(mf::k0<double>(), 0.01, eta);
+    check_samples<float>(mf::k0<float>(), 0.01F, static_cast<float>(eta));
+  }
+  check_samples<double>(mf::ggx<double>(), 0.3, 1 + 0x1p-52);
+}
+
+TEST(no_sample_lies_on_an_infinite_peak) {
+  const mf::ndf<mf::k0<float>, float, mf::isotropic_shape<float>> ndf(mf::k0<float>(),
+                                                                      mf::isotropic_shape<float>(0.2F));
+  const mf::conductor<float> gold(0.2F, 3.4F);
+  const mf::vec3<float> wi{0.6F, 0, 0.8F};
+  CHECK(mf::pdf(gold, ndf, wi, {-0.6F, 0, 0.8F}) == std::numeric_limits<float>::infinity());
+  const auto beside =
+      mf::beside_peak(gold, mf::vec3<float>{-0.6F, 0, 0.8F}, std::numeric_limits<float>::infinity(),
+                      (std::numeric_limits<float>::max)(), std::numeric_limits<float>::epsilon());
+  const float density = mf::pdf(gold, ndf, wi, beside);
+  CHECK(density > 1 && density < 1e3F && beside.z == 0.8F);
+}
+
+TEST(directions_of_any_length) {
+  const double tolerance = 8 * std::numeric_limits<double>::epsilon();
+  for (const double length : {1e-200, 1e-3, 3.0, 1e300}) {
+    const direction w = mf::normalized(direction{3 * length, 0, -4 * length}, tolerance);
+    CHECK_NEAR(w.x, 0.6, 1e-15);
+    CHECK_NEAR(w.z, -0.8, 1e-15);
+    const direction again = mf::normalized(w, tolerance);
+    CHECK(again.x == w.x && again.z == w.z);
+  }
+  for (const direction& w :
+       {direction{0, 0, 0}, direction{mf::inf, 0, 0}, direction{0, mf::nan<double>(), 1}}) {
+    const direction none = mf::normalized(w, tolerance);
+    CHECK(std::isnan(none.x) && std::isnan(none.y) && std::isnan(none.z));
+  }
 }
 
 TEST(white_furnace) {

@@ -14,8 +14,8 @@ struct fresnel_split {
   T reflected, passed, cosine;
 };
 
-// An index of refraction as a product kept / scale, so that the fourth power of what is kept is finite: scale
-// is 1 but for a huge index. The square of 1 + index / 2^24 is that of index / 2^24 in float.
+// By how much an index of refraction is scaled down so that its fourth power is a number: 1 but for huge
+// ones.
 template <class T>
 T scale_of_index(const T& largest) {
   const T most(0x1p24);
@@ -44,7 +44,7 @@ fresnel_split<T> fresnel_dielectric(const T& cosine, const T& eta) {
   const auto passes = (inside > T(0)) & (c > T(0));
   const T reflected = select(passes, T(T(0.5) * (s * s + p * p)), T(T(1) + T(0) * index));
   const T both = T(2) * near_c * root;  // 1 - s^2 and 1 - p^2, by the products of what s and p are sums of
-  const T passed = both / (square(sum_s) + floor) + (square_eta * (both / sum_p)) / sum_p;
+  const T passed = both / (square(sum_s) + floor) + square_eta * both / (square(sum_p) + floor);
   return {minimum(reflected, T(1)), select(passes, minimum(passed, T(1)), T(T(0) * index)),
           select(inside > T(0), T(root / index), T(0))};
 }

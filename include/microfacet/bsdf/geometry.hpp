@@ -24,6 +24,20 @@ vec3<T> select(const Mask& mask, const vec3<T>& a, const vec3<T>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
+// The direction along w, of any length but 0; nan along 0 and along what is no number. A length that is 1 to
+// `tolerance`, some roundings, is left alone: a direction of ours is taken as it is.
+template <class T>
+vec3<T> normalized(const vec3<T>& w, const T& tolerance) {
+  const auto near_1 = abs(T(dot(w, w) - T(1))) <= tolerance;
+  return choose(
+      near_1, [&] { return w; },
+      [&] {
+        // By the largest component first: its square may be no number.
+        const T largest = maximum(T(maximum(T(abs(w.x)), T(abs(w.y)))), T(abs(w.z)));
+        return unit(vec3<T>{w.x / largest, w.y / largest, w.z / largest});
+      });
+}
+
 // The mirror image of w about the normal m.
 template <class T>
 vec3<T> reflect(const vec3<T>& w, const vec3<T>& m) {
@@ -39,6 +53,11 @@ vec3<T> refract(const vec3<T>& w, const vec3<T>& m, const T& eta, const T& cosin
   return unit(along(scaled(w, T(-above)), m, T(dot(w, m) * above - below * cosine_t)));
 }
 
+// Beyond this index of refraction wi no longer matters to the facet.
+template <class T>
+T largest_index() {
+  return T(0x1p60);
+}
 // A normal along h; where there is none, one that no facet has.
 template <class T>
 vec3<T> facet_along(const vec3<T>& h) {
@@ -54,7 +73,7 @@ vec3<T> reflecting_facet(const vec3<T>& wi, const vec3<T>& wo) {
 // The one that refracts wi into wo, on the side of wi; there is such a facet where wo lies on its other side.
 template <class T>
 vec3<T> refracting_facet(const vec3<T>& wi, const vec3<T>& wo, const T& eta) {
-  const vec3<T> h = along(wi, wo, minimum(eta, T(0x1p60)));  // beyond, h is wo to all digits
+  const vec3<T> h = along(wi, wo, minimum(eta, largest_index<T>()));
   return facet_along(scaled(h, select(dot(wi, h) < T(0), T(-1), T(1))));
 }
 
@@ -68,9 +87,9 @@ T reflection_jacobian(const vec3<T>& wi, const vec3<T>& m) {
 // the indices are almost the same the difference is a quotient, (1 - eta)(1 + eta)/(cosine + eta cosine_t).
 template <class T>
 T refraction_jacobian(const T& cosine, const T& cosine_t, const T& eta) {
-  const T root = eta * cosine_t;
-  const T difference = (T(1) - eta) * ((T(1) + eta) / (cosine + root + smallest<T>()));
-  return (eta / difference) * (root / difference);
+  const T n = minimum(eta, largest_index<T>()), root = n * cosine_t;
+  const T reciprocal = (cosine + root) / ((T(1) - n) * (T(1) + n));
+  return (n * reciprocal) * (root * reciprocal);
 }
 
 }  // namespace microfacet

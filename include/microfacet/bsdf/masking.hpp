@@ -35,7 +35,7 @@ T shadowing(const T& wi_z, const T& wo_z, const facet_statistics<T>& at, bool co
   const auto reflected = [&] { return T(up / (up + at.blocking * seen + smallest<T>())); };
   if (!Transmits || !correlated) return reflected();
   const auto transmitted = [&] {
-    const T most(1e30), whole = minimum(T(at.area / wi_z), most);  // 1 + Lambda(wi)
+    const T most = T(1e30), whole = minimum(T(at.area / wi_z), most);  // 1 + Lambda(wi)
     const T lambda_i = maximum(T(whole - T(1)), T(0));
     return T(whole * G2_correlated(lambda_i, minimum(T(at.blocking / up), most), wo_z == wo_z));
   };

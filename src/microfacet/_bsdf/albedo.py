@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import MaterialKernels, unit
+from microfacet._bsdf.kernels import MaterialKernels
 from microfacet._bsdf.quadrature import leaving
 
 __all__ = ["albedo", "average_albedo"]
@@ -38,7 +38,7 @@ def _albedo(
     material: MaterialKernels, walks: int, seed: float, part: str, wi: Array, numbers: Array
 ) -> tuple[Any, Any]:
     """Values and errors of NumPy arrays; without walks by quadrature."""
-    directions = unit(wi.astype(np.float64)).reshape(-1, 3)
+    directions = material._units(wi.astype(np.float64))[0].reshape(-1, 3)
     if walks == 0:
         value, error = _by_quadrature(material, directions, part)
     else:

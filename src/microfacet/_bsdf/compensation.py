@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet._arrays import lifted
 from microfacet._bsdf.conductor import Conductor
 from microfacet._bsdf.fresnel import fresnel_average, fresnel_conductor
-from microfacet._bsdf.kernels import directions_of, uniforms_of, units
+from microfacet._bsdf.kernels import directions_of, uniforms_of
 from microfacet._frozen import Distribution
 from microfacet._value import Value
 
@@ -141,7 +141,7 @@ class _Compensated(Value):
 
     def _cosines(self, *directions: Array) -> list[Array]:
         """Of unit directions, with axes for the channels."""
-        return [self._behind(w[..., 2].astype(np.float64)) for w in units(*directions)]
+        return [self._behind(w[..., 2].astype(np.float64)) for w in self.material._units(*directions)]
 
     def _eval(self, wi: Array, wo: Array) -> Any:
         raise NotImplementedError
@@ -206,13 +206,13 @@ class KullaConty(_Compensated):
         return self.material.eval(wi, wo) + self._colour() * lobe * lit
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
-        i, o = (w[..., 2].astype(np.float64) for w in units(wi, wo))
+        i, o = (w[..., 2].astype(np.float64) for w in self.material._units(wi, wo))
         first = self._energy(i)
         diffuse = np.where(i > 0, np.maximum(o, 0.0), 0.0) / np.pi
         return first * self.material.pdf(wi, wo) + (1 - first) * diffuse
 
     def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
-        (given,), numbers = units(wi.astype(np.float64)), xi.astype(np.float64)
+        (given,), numbers = self.material._units(wi.astype(np.float64)), xi.astype(np.float64)
         once, _, _ = self.material.sample(given, numbers[..., :-1])
         radius, turn = np.sqrt(numbers[..., 0]), 2 * np.pi * numbers[..., 1]
         height = np.sqrt(1 - numbers[..., 0])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, lit, number, seed_of, uniforms_of, units, xyz
+from microfacet._bsdf.kernels import Array, in_one_type, lit, number, seed_of, uniforms_of, xyz
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -116,12 +116,12 @@ class Conductor(Material):
         return lifted(partial(self._pdf, bounded=bounded), *self._directions("pdf", wi=wi, wo=wo))
 
     def _pdf(self, wi: Array, wo: Array, bounded: bool = False) -> Any:
-        i, o = units(wi, wo)
+        i, o = in_one_type(wi, wo)
         density = self._of(
             "pdf", [*xyz(i), *xyz(o)], (float(bounded),), (np.asarray(np.inf), np.asarray(0.0))
         )
         if self.scattering == "multiple":
-            diffuse = lit(i, o) * i.dtype.type(1 / np.pi)
+            diffuse = lit(*self._units(i, o)) * i.dtype.type(1 / np.pi)
             return (0.75 * density + 0.25 * diffuse).astype(i.dtype)[()]
         return density
 
@@ -165,7 +165,7 @@ class Conductor(Material):
         return wo, weight, pdf
 
     def _sample(self, bounded: bool, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
-        (i,) = units(wi)
+        (i,) = in_one_type(wi)
         values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
         wo, weight, pdf = self._of("sample", values, (float(self.correlated), 0.0, float(bounded)))
         for _ in self._channels:  # which share their directions

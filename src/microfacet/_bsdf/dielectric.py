@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, number, seed_of, uniforms_of, units, xyz
+from microfacet._bsdf.kernels import Array, in_one_type, number, seed_of, uniforms_of, xyz
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -118,10 +118,10 @@ class Dielectric(Material):
         return lifted(self._pdf, *self._directions("pdf", wi=wi, wo=wo))
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
-        i, o = units(wi, wo)
+        i, o = in_one_type(wi, wo)
         density = self._of("pdf", [*xyz(i), *xyz(o)], (0.0,))
         if self.scattering == "multiple":
-            cosine = np.abs(o[..., 2]) * i.dtype.type(0.5 / np.pi)
+            cosine = np.abs(self._units(o)[0][..., 2]) * i.dtype.type(0.5 / np.pi)
             return (0.75 * density + 0.25 * cosine).astype(i.dtype)[()]
         return density
 
@@ -144,7 +144,7 @@ class Dielectric(Material):
         return wo, weight, pdf
 
     def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
-        (i,) = units(wi)
+        (i,) = in_one_type(wi)
         values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
         wo, weight, pdf = self._of("sample", values, (float(self.correlated), self._radiance, 0.0))
         return wo, weight, pdf

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, lit, number, seed_of, units
+from microfacet._bsdf.kernels import Array, lit, number, seed_of
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -79,7 +79,7 @@ class Diffuse(Material):
         return lifted(self._pdf, *self._directions("pdf", wi=wi, wo=wo))
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
-        i, o = units(wi, wo)
+        i, o = self._units(wi, wo)
         return lit(i, o)[()] * i.dtype.type(1 / np.pi)
 
     def sample(self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None) -> tuple[Any, Any, Any]:

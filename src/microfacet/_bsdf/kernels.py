@@ -16,12 +16,11 @@ __all__ = [
     "NO_ORDER",
     "MaterialKernels",
     "directions_of",
+    "in_one_type",
     "lit",
     "number",
     "seed_of",
     "uniforms_of",
-    "unit",
-    "units",
     "xyz",
 ]
 
@@ -45,29 +44,10 @@ def number(owner: str, name: str, value: object, allowed: str, valid: Any) -> Ar
     return array
 
 
-def unit(w: Array) -> Array:
-    """Directions of length 1, along `w` of any length; nan along 0 and along what is no number.
-
-    A length that is 1 to rounding is left alone, so that a result of ours is taken as it is.
-    """
-    tolerance = 8 * np.finfo(w.dtype).eps
-    with np.errstate(all="ignore"):
-        x, y, z = xyz(w)
-        off = ~(np.abs(x * x + y * y + z * z - 1) <= tolerance)
-        if not off.any():
-            return w
-        # By the largest component first: its square may be no number.
-        given = w[off]
-        given = given / np.max(np.abs(given), axis=-1, keepdims=True)
-        result = w.copy()
-        result[off] = given / np.sqrt(np.sum(given * given, axis=-1, keepdims=True))
-    return result
-
-
-def units(*directions: Array) -> list[Array]:
-    """Unit directions in one precision: float64 unless all are float32."""
+def in_one_type(*directions: Array) -> list[Array]:
+    """float64 unless all are float32."""
     single = all(array.dtype == np.float32 for array in directions)
-    return [unit(np.asarray(array, np.float32 if single else np.float64)) for array in directions]
+    return [np.asarray(array, np.float32 if single else np.float64) for array in directions]
 
 
 class MaterialKernels(Value):
@@ -116,6 +96,14 @@ class MaterialKernels(Value):
 
     def _directions(self, method: str, **directions: ArrayLike) -> list[Argument]:
         return directions_of(f"{type(self).__name__}.{method}", **directions)
+
+    def _units(self, *directions: Array) -> list[Array]:
+        """Of unit length, as the kernels make all directions: where Python itself looks at cosines."""
+        found = []
+        for w in in_one_type(*directions):
+            found.append(np.empty(w.shape, w.dtype))
+            self.ndf.kernels.unit_direction(*xyz(w), *self.ndf._values, out=tuple(xyz(found[-1])))
+        return found
 
     @property
     def _channels(self) -> tuple[int, ...]:
@@ -167,7 +155,7 @@ class MaterialKernels(Value):
     def _walk_sample(
         self, wi: Array, elements: Array, *, seed: float, radiance: float
     ) -> tuple[Array, Any, Array]:
-        """Directions out of unit ones, their weights, and how many facets light met."""
+        """Directions out, their weights, and how many facets light met."""
         wo, weight, order = self._of("walk", xyz(wi), (elements, seed, radiance))
         # Of the channels, which share a walk, the one that went farthest has its end.
         for _ in self._channels:
@@ -210,6 +198,8 @@ def _real(owner: str, name: str, given: ArrayLike, length: int, *, exactly: bool
 def narrowed(xi: Array, dtype: Any) -> Array:
     """Uniform numbers in another type, in which those below 1 stay below 1."""
     result = np.asarray(xi, dtype)
+    if np.can_cast(xi.dtype, dtype):
+        return result
     rounded = (result == 1) & (xi < 1)
     return np.where(rounded, np.nextafter(result.dtype.type(1), 0), result) if rounded.any() else result
 

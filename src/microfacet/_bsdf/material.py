@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from microfacet._arrays import lifted, numbered
 from microfacet._bsdf.albedo import albedo as albedo_of
 from microfacet._bsdf.albedo import average_albedo as average_albedo_of
-from microfacet._bsdf.kernels import NO_ORDER, Array, MaterialKernels, seed_of, units, xyz
+from microfacet._bsdf.kernels import NO_ORDER, Array, MaterialKernels, in_one_type, seed_of, xyz
 
 __all__ = ["Material"]
 
@@ -63,11 +63,11 @@ class Material(MaterialKernels):
         return lifted(partial(self._walk_eval, wide), *given, numbered(*given))
 
     def _eval(self, wi: Array, wo: Array) -> Any:
-        i, o = units(wi, wo)
+        i, o = in_one_type(wi, wo)
         return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), self._radiance))
 
     def _walk_eval(self, wide: tuple[float, ...], wi: Array, wo: Array, elements: Array) -> Any:
-        i, o = units(wi, wo)
+        i, o = in_one_type(wi, wo)
         return self._of("walk_eval", [*xyz(i), *xyz(o)], (elements, *wide))
 
     def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
@@ -101,7 +101,7 @@ class Material(MaterialKernels):
 
     def _sample_walk(self, seed: float, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
         """Samples by walks, of which one order alone may count."""
-        (i,) = units(wi)
+        (i,) = in_one_type(wi)
         wo, weight, facets = self._walk_sample(i, elements, seed=seed, radiance=self._radiance)
         if self.scattering == "single":
             once = (facets == 1).reshape(facets.shape + (1,) * len(self._channels))
@@ -109,7 +109,7 @@ class Material(MaterialKernels):
         return wo, weight, self._pdf(i, wo)
 
     def _walk(self, seed: float, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
-        (i,) = units(wi)
+        (i,) = in_one_type(wi)
         return self._walk_sample(i, elements, seed=seed, radiance=self._radiance)
 
     def albedo(

@@ -38,6 +38,9 @@ class SlopeSample(Value):
     source: str
     steps: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        self._keep(**self._state())
+
     def __len__(self) -> int:
         return len(self.values)
 

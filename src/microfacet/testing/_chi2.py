@@ -62,6 +62,9 @@ class Chi2Result(Value):
     mass: float
     outside: int
 
+    def __post_init__(self) -> None:
+        self._keep(**self._state())
+
     def __bool__(self) -> bool:
         return self.passed
 
