@@ -58,7 +58,7 @@ class scattering_pair {
 
   // f |cos wo|. Radiance is scaled by 1/eta^2 where light passes.
   T eval(const vec3<T>& m, const facet_statistics<T>& at, bool correlated, bool radiance) const {
-    return inside(share(leaves(at, correlated, radiance), material_.phase(wi_, wo_, m, at)));
+    return inside(share(leaving(at, correlated, radiance), material_.phase(wi_, wo_, m, at)));
   }
   // Of all directions that the visible normals give, also of those that no light leaves in.
   T pdf(const vec3<T>& m, const T& D_of_mirror, const vec3<T>& l, const T& D_of_lens, const T& area) const {
@@ -76,7 +76,7 @@ class scattering_pair {
               const T& D_of_lens, bool correlated, bool radiance) const {
     const densities d = parts(m, at.D, l, D_of_lens, at.area);
     const T density = d.mirrors + d.lenses;
-    T weight = leaves(at, correlated, radiance);
+    T weight = leaving(at, correlated, radiance);
     if constexpr (transmits) {
       // Of what goes there, the part that can leave: mirrored light above, the rest below.
       const auto above = wo_.z > T(0), crossed = passed > T(0);
@@ -118,11 +118,11 @@ class scattering_pair {
     }
   }
   // What leaves the surface of the light that facets send to wo: all of it where there is none.
-  T leaves(const facet_statistics<T>& at, bool correlated, bool radiance) const {
+  T leaving(const facet_statistics<T>& at, bool correlated, bool radiance) const {
     const T seen = shadowing<transmits>(wi_.z, wo_.z, at, correlated);
     if constexpr (transmits) {
       const T scale = radiance ? select(wo_.z < T(0), square(T(T(1) / material_.eta())), T(1)) : T(1);
-      return select(material_.eta() == T(1), T(T(1) + T(0) * seen), T(seen * scale));
+      return select(material_.eta() == T(1), T(T(1) + T(0) * seen), share(seen, scale));
     } else {
       return seen;
     }

@@ -28,21 +28,21 @@ def albedo(
     _check(owner, part)
     given = material._directions("albedo", wi=wi)
     walks = 0 if _in_closed_form(material) else _count(owner, n)
-    value, error = lifted(
-        partial(_albedo, material, walks, seed, part), *given, numbered(*given), results=("", "")
-    )
+    if walks:
+        given.append(numbered(*given))
+    value, error = lifted(partial(_albedo, material, walks, seed, part), *given, results=("", ""))
     return (value, error) if with_error else value
 
 
 def _albedo(
-    material: MaterialKernels, walks: int, seed: float, part: str, wi: Array, numbers: Array
+    material: MaterialKernels, walks: int, seed: float, part: str, wi: Array, *numbers: Array
 ) -> tuple[Any, Any]:
-    """Values and errors of NumPy arrays; without walks by quadrature."""
+    """Values and errors of NumPy arrays; of walks also by the number of each direction."""
     directions = material._units(wi.astype(np.float64))[0].reshape(-1, 3)
     if walks == 0:
         value, error = _by_quadrature(material, directions, part)
     else:
-        value, error = _by_walks(material, directions, numbers.reshape(-1), walks, seed, part)
+        value, error = _by_walks(material, directions, numbers[0].reshape(-1), walks, seed, part)
     shape = (*wi.shape[:-1], *material._channels)
     return value.reshape(shape)[()], error.reshape(shape)[()]
 
