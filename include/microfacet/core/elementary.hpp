@@ -23,7 +23,7 @@ MICROFACET_INLINE R abs(const R& x) {
 // For |x| < 2^51 (float: 2^22).
 template <class R>
 MICROFACET_INLINE R round(const R& x) {
-  return (x + R(format<R>::round)) - R(format<R>::round);
+  return rounded(R(rounded(R(x + R(format<R>::round))) - R(format<R>::round)));
 }
 template <class R>
 MICROFACET_INLINE R floor(const R& x) {
@@ -42,7 +42,7 @@ MICROFACET_INLINE R product_error(const R& a, const R& b, const R& p) {
     return from_bits(integers<R>(rounded & integers<R>(~(2 * format<R>::half_of_lower - 1))), x);
   };
   const R a1 = upper(a), b1 = upper(b), a2 = a - a1, b2 = b - b1;
-  return ((a1 * b1 - p) + (a1 * b2 + a2 * b1)) + a2 * b2;
+  return rounded(R(rounded(R(a1 * b1 - p)) + (a1 * b2 + a2 * b1))) + a2 * b2;
 #endif
 }
 
@@ -55,7 +55,8 @@ struct reduced {
 template <int Bias = 0, class R>
 MICROFACET_INLINE reduced<R> reduce(const R& x, const R& low) {
   using f = format<R>;
-  const R shifted = multiply_add(x, R(std::numbers::log2e), R(f::round)), n = shifted - R(f::round);
+  const R shifted = multiply_add(x, R(std::numbers::log2e), R(f::round));
+  const R n = rounded(R(shifted - R(f::round)));
   const R rest = multiply_add(n, R(-f::ln2_low), R(multiply_add(n, R(-f::ln2_high), x))) + low;
   const R excess = multiply_add(R(rest * rest), polynomial(f::exp, rest), rest);
   constexpr auto bias =
@@ -77,7 +78,7 @@ MICROFACET_INLINE R exp(const R& x) {
 template <class R>
 MICROFACET_INLINE R expm1(const R& x) {
   const reduced<R> e = reduce(x, R(0));
-  const R general = R(2) * multiply_add(e.power, e.excess, R(e.power - R(0.5)));
+  const R general = R(2) * multiply_add(e.power, e.excess, rounded(R(e.power - R(0.5))));
   const R value = select(e.power == R(0.5), e.excess, general);  // the excess itself, which may be tiny
   return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), R(inf), value));
 }
@@ -97,8 +98,9 @@ MICROFACET_INLINE reduced_logarithm<R> reduce_log(const R& x, const R& low) {
   const R m = from_bits(wrapping_difference(bits(x), shift), x);
   const R power =
       from_bits(wrapping_difference(integers<R>(bits(R(2))), shift), x);  // 2^(1 - n): n may be 1024
-  const R real_n = from_bits(wrapping_sum(integers<R>(bits(R(f::round))), n), x) - R(f::round);
-  const R e = multiply_add(R(R(0.5) * low), power, R(m - R(1)));
+  const R real_n =
+      rounded(R(from_bits(wrapping_sum(integers<R>(bits(R(f::round))), n), x) - R(f::round)));
+  const R e = multiply_add(R(R(0.5) * low), power, rounded(R(m - R(1))));
   const R s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
   return {real_n, e, half - s * multiply_add(s2, polynomial(f::log, s2), half)};
 }
@@ -112,11 +114,11 @@ template <class R>
 MICROFACET_INLINE logarithm<R> log(const R& x, const R& low) {
   using f = format<R>;
   const reduced_logarithm<R> l = reduce_log(x, low);
-  const R tail = l.e - multiply_add(l.n, R(-f::ln2_low), l.less), head = l.n * R(f::ln2_high);
-  const R sum = head + tail;
+  const R tail = rounded(R(l.e - multiply_add(l.n, R(-f::ln2_low), l.less))), head = l.n * R(f::ln2_high);
+  const R sum = rounded(R(head + tail));
   const R value = select(x < R(inf), sum, x);
   const R below = select(x < R(0), nan<R>(), R(-inf));
-  return {select(x < smallest<R>(), below, value), tail - (sum - head)};
+  return {select(x < smallest<R>(), below, value), rounded(R(tail - rounded(R(sum - head))))};
 }
 template <class R>
 MICROFACET_INLINE R log(const R& x) {
@@ -124,7 +126,8 @@ MICROFACET_INLINE R log(const R& x) {
 }
 template <class R>
 MICROFACET_INLINE R log1p(const R& x) {
-  const R one_more = R(1) + x, t = one_more - R(1), low = (R(1) - (one_more - t)) + (x - t);
+  const R one_more = rounded(R(R(1) + x)), t = rounded(R(one_more - R(1)));
+  const R low = rounded(R(R(1) - rounded(R(one_more - t)))) + rounded(R(x - t));
   const R value = elementary::log(one_more, R(select(x < R(inf), low, R(0)))).high;
   return select(abs(x) < R(0x1p-60), x, value);  // the least numbers lose their halves
 }
@@ -133,7 +136,7 @@ MICROFACET_INLINE R log1p(const R& x) {
 template <class R>
 MICROFACET_INLINE R pow(const R& x, const R& y) {
   const logarithm<R> l = elementary::log(x, R(0));
-  const R p = y * l.high;
+  const R p = rounded(R(y * l.high));
   return elementary::exp(p, R(multiply_add(y, l.low, elementary::product_error(y, l.high, p))));
 }
 
@@ -145,7 +148,8 @@ struct circle {
 template <class R>
 MICROFACET_INLINE circle<R> cos_sin_of_turns(const R& x) {
   using f = format<R>;
-  const R shifted = x * R(4) + R(f::round), y = R(4) * x - (shifted - R(f::round)), y2 = y * y;
+  const R shifted = rounded(R(x * R(4) + R(f::round))), nearest = rounded(R(shifted - R(f::round)));
+  const R y = R(4) * x - nearest, y2 = y * y;
   // sin(pi y/2) with its first term last, so that its rounding is the only one that counts.
   const R s = multiply_add(y, R(f::sin[0]), R(y * y2 * polynomial<1>(f::sin, y2))),
           c = polynomial(f::cos, y2);

@@ -38,18 +38,19 @@ MICROFACET_INLINE R log_ratio(const R& x, const R& low, const R& centre) {
     const integers shifted = bits(x) - integers(f::sqrt_half);
     const integers exponent = shifted & integers(~((integer_of<real>(1) << f::mantissa) - 1));
     const R power = from_bits(integers(integers(elementary::bits(real(1))) - exponent), x);
-    const R n =
-        from_bits(integers((shifted >> f::mantissa) + integers(elementary::bits(real(f::round)))), x) -
-        R(f::round);
-    const R e = multiply_add(low, power, R(from_bits(integers(bits(x) - exponent), x) - R(1)));
+    const R shifted_n =
+        from_bits(integers((shifted >> f::mantissa) + integers(elementary::bits(real(f::round)))), x);
+    const R n = rounded(R(shifted_n - R(f::round)));
+    const R e = multiply_add(low, power, rounded(R(from_bits(integers(bits(x) - exponent), x) - R(1))));
     const auto q = [](std::size_t k) { return R(coefficients::log_polynomial_32[k]); };
     const R bend = multiply_add(interleaved<coefficients::log_polynomial_32.size()>(q, e), e, R(-0.5));
     const R rest = multiply_add(R(e * e), bend, R(R(f::ln2_low) * n));
-    return multiply_add(R(R(Times) * n), R(f::ln2_high), R(-centre)) + R(Times) * e + R(Times) * rest;
+    const R sum = multiply_add(R(R(Times) * n), R(f::ln2_high), R(-centre)) + R(Times) * e;
+    return rounded(sum) + R(Times) * rest;
   } else {
     const elementary::reduced_logarithm<R> l = elementary::reduce_log(x, low);
     const R rest = multiply_add(l.n, R(-f::ln2_low), l.less), n = R(Times) * l.n;
-    return multiply_add(n, R(f::ln2_high), R(-centre)) + R(Times) * l.e - R(Times) * rest;
+    return rounded(R(multiply_add(n, R(f::ln2_high), R(-centre)) + R(Times) * l.e)) - R(Times) * rest;
   }
 }
 

@@ -16,19 +16,7 @@
 #include <string_view>
 #include <type_traits>
 
-// Whether the hardware rounds a * b + c once.
-#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
-#define MICROFACET_FUSED 1
-#else
-#define MICROFACET_FUSED 0
-#endif
-
-// A pack that is passed through memory costs more than the function.
-#if defined(__GNUC__)
-#define MICROFACET_INLINE [[gnu::always_inline]] inline
-#else
-#define MICROFACET_INLINE inline
-#endif
+#include "microfacet/core/compiler.hpp"
 
 namespace microfacet {
 
@@ -95,6 +83,17 @@ auto choose(const Mask& mask, const Taken& taken, const Other& other) {
   return select(mask, taken(), other());
 }
 
+// x as it is rounded, where the rounding is part of the result: no flag lets a compiler see through it. Of
+// packs every operation is so.
+template <class T>
+MICROFACET_INLINE T rounded(const T& x) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return MICROFACET_ROUNDED(x);
+  } else {
+    return x;
+  }
+}
+
 template <class T>
 MICROFACET_INLINE T square(const T& x) {
   return x * x;
@@ -104,9 +103,9 @@ MICROFACET_INLINE T square(const T& x) {
 template <class T>
 MICROFACET_INLINE T multiply_add(const T& a, const T& b, const T& c) {
   if constexpr (MICROFACET_FUSED && std::is_floating_point_v<T>) {
-    return std::fma(a, b, c);
+    return rounded(std::fma(a, b, c));
   } else {
-    return a * b + c;
+    return rounded(T(a * b + c));
   }
 }
 

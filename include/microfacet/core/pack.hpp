@@ -44,10 +44,17 @@ struct pack {
   using modular_lane =
       typename std::conditional_t<std::is_integral_v<T>, std::make_unsigned<T>, std::type_identity<T>>::type;
   typedef modular_lane modular __attribute__((vector_size(Bytes)));
+  MICROFACET_INLINE static vector rounded_lanes(const modular& a) {
+    if constexpr (std::is_floating_point_v<T>) {
+      return MICROFACET_ROUNDED(a);
+    } else {
+      return std::bit_cast<vector>(a);
+    }
+  }
 #define MICROFACET_ARITHMETIC(OP)                                                                     \
   MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) {                           \
     return from([&](int k) {                                                                          \
-      return std::bit_cast<vector>(std::bit_cast<modular>(a.v[k]) OP std::bit_cast<modular>(b.v[k])); \
+      return rounded_lanes(std::bit_cast<modular>(a.v[k]) OP std::bit_cast<modular>(b.v[k]));         \
     });                                                                                               \
   }
   MICROFACET_ARITHMETIC(+)
@@ -58,7 +65,6 @@ struct pack {
   MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) { \
     return RESULT::from([&](int k) { return a.v[k] OP b.v[k]; });             \
   }
-  MICROFACET_BINARY(pack, /)
   MICROFACET_BINARY(pack, &)
   MICROFACET_BINARY(pack, |)
   MICROFACET_BINARY(pack, ^)
@@ -75,6 +81,9 @@ struct pack {
       friend pack operator<<(const pack& a, int n){MICROFACET_UNARY(a.v[k] << n)} MICROFACET_INLINE
       friend pack operator>>(const pack& a, int n){MICROFACET_UNARY(a.v[k] >> n)}
 
+  MICROFACET_INLINE friend pack operator/(const pack& a, const pack& b) {
+    return from([&](int k) { return rounded_lanes(a.v[k] / b.v[k]); });
+  }
   MICROFACET_INLINE friend pack select(const integers& mask, const pack& a, const pack& b){
       MICROFACET_UNARY(mask.v[k] ? a.v[k] : b.v[k])} MICROFACET_INLINE friend integers bits(const pack& a) {
     return integers::from([&](int k) { return std::bit_cast<typename integers::vector>(a.v[k]); });

@@ -133,7 +133,7 @@ struct piecewise {
     // Far out on a power law exp(t) is zero; its exponent must not leave the format.
     const R t = maximum(R(v * interleaved<Terms>(c, v)), R(format::least));
     const R shifted = multiply_add(t, R(std::numbers::log2e), R(format::round)),
-            n = shifted - R(format::round);
+            n = rounded(R(shifted - R(format::round)));
     const R r = multiply_add(n, R(-std::numbers::ln2), t);
     const R excess = multiply_add(
         R(r * r), interleaved<format::exp.size()>([](std::size_t k) { return R(format::exp[k]); }, r), r);

@@ -17,21 +17,21 @@ struct twofold {
   T high, low;
 
   MICROFACET_INLINE twofold(const T& value) : high(value), low(T(0)) {}
-  MICROFACET_INLINE twofold(const T& h, const T& l) : high(h), low(l) {}
+  MICROFACET_INLINE twofold(const T& h, const T& l) : high(rounded(h)), low(rounded(l)) {}
 
   friend twofold operator-(const twofold& a) { return {-a.high, -a.low}; }
   MICROFACET_INLINE friend twofold operator*(const T& power_of_two, const twofold& a) {
     return {power_of_two * a.high, power_of_two * a.low};
   }
   MICROFACET_INLINE friend twofold operator*(const twofold& a, const twofold& b) {
-    const T p = a.high * b.high;
+    const T p = rounded(T(a.high * b.high));
     return {p, multiply_add(a.high, b.low, multiply_add(a.low, b.high, product_error(a.high, b.high, p)))};
   }
 };
 
 template <class T>
 MICROFACET_INLINE twofold<T> exact_product(const T& a, const T& b) {
-  const T p = a * b;
+  const T p = rounded(T(a * b));
   return {p, product_error(a, b, p)};
 }
 
@@ -41,21 +41,21 @@ MICROFACET_INLINE T exact_residual(const T& a, const T& b, const T& c) {
   if constexpr (MICROFACET_FUSED) {
     return multiply_add(T(-b), c, a);
   } else {
-    const T p = b * c;
-    return (a - p) - product_error(b, c, p);
+    const T p = rounded(T(b * c));
+    return rounded(T(a - p)) - product_error(b, c, p);
   }
 }
 
 // Of |a| >= |b|, and of any two.
 template <class T>
 MICROFACET_INLINE twofold<T> exact_sum_of_ordered(const T& a, const T& b) {
-  const T s = a + b;
-  return {s, b - (s - a)};
+  const T s = rounded(T(a + b));
+  return {s, b - rounded(T(s - a))};
 }
 template <class T>
 MICROFACET_INLINE twofold<T> exact_sum(const T& a, const T& b) {
-  const T s = a + b, t = s - a;
-  return {s, (a - (s - t)) + (b - t)};
+  const T s = rounded(T(a + b)), t = rounded(T(s - a));
+  return {s, rounded(T(a - rounded(T(s - t)))) + rounded(T(b - t))};
 }
 
 template <class T>
@@ -67,7 +67,7 @@ MICROFACET_INLINE twofold<T> operator+(const twofold<T>& a, const twofold<T>& b)
 // a/b, given 1/b.high.
 template <class T>
 MICROFACET_INLINE twofold<T> quotient(const twofold<T>& a, const twofold<T>& b, const T& reciprocal) {
-  const T q = a.high * reciprocal;
+  const T q = rounded(T(a.high * reciprocal));
   const T rest = exact_residual(a.high, q, b.high) + multiply_add(T(-q), b.low, a.low);
   return {q, rest * reciprocal};
 }

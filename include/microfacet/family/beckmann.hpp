@@ -40,7 +40,7 @@ class beckmann {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
     const T value = exp<60>(-quotient(h2, exact_product(z, z), reciprocal));
-    return value * reciprocal * (reciprocal * T(0x1p-60 / pi));
+    return rounded(T(value * reciprocal)) * (reciprocal * T(0x1p-60 / pi));
   }
   T survival(const twofold<T>& r2) const { return exp(-r2); }
   T radius2(const T& xi) const { return -log1p(-xi); }

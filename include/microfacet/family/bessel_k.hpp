@@ -98,7 +98,8 @@ class bessel_k {
     const auto direct = a_ >= T(0.5);
     const bessel::neighbours<T> k = bessel::orders(T(select(direct, T(a_ - T(1)), a_)), y);
     const T inside = maximum(y.high, bessel::least_argument<T>()), decay = k.decay * factor;
-    const T value = select(direct, k.at, T(a_ * k.below / inside / inside)) * decay * (decay * T(1 / pi));
+    const T once = select(direct, k.at, T(rounded(T(a_ * k.below / inside)) / inside)) * decay;
+    const T value = rounded(once) * (decay * T(1 / pi));
     const auto finite = a_ > T(1);
     const T at_normal = square(factor) / (T(pi) * select(finite, T(a_ - T(1)), T(1)));
     return select(y.high == T(0), select(finite, at_normal, T(at_normal * T(inf))), value);

@@ -38,7 +38,7 @@ class ggx {
   T radius2(const T& xi) const { return xi / (T(1) - xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
     const T a = T(1) + t.squared.high;
-    return T(0.5) * factor / a / sqrt(a);
+    return rounded(T(T(0.5) * factor / a)) / sqrt(a);
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [](const slope<T>& x) {

@@ -92,8 +92,8 @@ class k0 {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
     const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
-    const T value =
-        detail::k0_functions<T>(r2).template density<60>() * reciprocal * (reciprocal * T(0x1p-60 / pi));
+    const T once = rounded(T(detail::k0_functions<T>(r2).template density<60>() * reciprocal));
+    const T value = once * (reciprocal * T(0x1p-60 / pi));
     return select(r2.high == T(0), T(inf), value);
   }
   T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
