@@ -19,7 +19,7 @@ class conductor {
   explicit conductor(const T* p) : conductor(p[0], p[1]) {}
 
   T reflectance(const T& cosine) const {
-    return select(eta_ == T(inf), T(T(1) + T(0) * cosine), fresnel_conductor(cosine, eta_, k_));
+    return select(eta_ > largest<T>(), T(T(1) + T(0) * cosine), fresnel_conductor(cosine, eta_, k_));
   }
 
   vec3<T> facet(const vec3<T>& wi, const vec3<T>& wo) const { return reflecting_facet(wi, wo); }

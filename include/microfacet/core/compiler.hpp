@@ -22,7 +22,8 @@
 #elif defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 && defined(__ASSOCIATIVE_MATH__)
 #define MICROFACET_ROUNDED(x) __builtin_assoc_barrier(x)
 #elif defined(__ASSOCIATIVE_MATH__) || defined(__FAST_MATH__)
-#error "microfacet: this compiler has no barrier against -fassociative-math (part of -ffast-math and -Ofast); \
+#error \
+    "microfacet: this compiler has no barrier against -fassociative-math (part of -ffast-math and -Ofast); \
 add -fno-associative-math behind it, or use g++ 12 or newer, or clang++ on x86"
 #else
 #define MICROFACET_ROUNDED(x) (x)
@@ -31,6 +32,7 @@ add -fno-associative-math behind it, or use g++ 12 or newer, or clang++ on x86"
 // Results with more digits than their type has are as wrong as regrouped ones.
 #if defined(__FLT_EVAL_METHOD__) && \
     (__FLT_EVAL_METHOD__ < 0 || __FLT_EVAL_METHOD__ == 1 || __FLT_EVAL_METHOD__ == 2)
-#error "microfacet: float and double have to be rounded to their own precision; \
+#error \
+    "microfacet: float and double have to be rounded to their own precision; \
 replace -mfpmath=387 by -msse2 -mfpmath=sse"
 #endif

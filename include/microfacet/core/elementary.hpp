@@ -69,7 +69,8 @@ MICROFACET_INLINE R exp(const R& x, const R& low) {
   constexpr auto shift = static_cast<typename scalar_traits<R>::real>(Bias * std::numbers::ln2);
   const reduced<R> e = reduce<Bias>(x, low);
   const R value = multiply_add(R(2), e.excess, R(2)) * e.power;
-  return select(x < R(format<R>::least - shift), R(0), select(x > R(format<R>::most - shift), R(inf), value));
+  return select(x < R(format<R>::least - shift), R(0),
+                select(x > R(format<R>::most - shift), infinite<R>(), value));
 }
 template <class R>
 MICROFACET_INLINE R exp(const R& x) {
@@ -80,7 +81,7 @@ MICROFACET_INLINE R expm1(const R& x) {
   const reduced<R> e = reduce(x, R(0));
   const R general = R(2) * multiply_add(e.power, e.excess, rounded(R(e.power - R(0.5))));
   const R value = select(e.power == R(0.5), e.excess, general);  // the excess itself, which may be tiny
-  return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), R(inf), value));
+  return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), infinite<R>(), value));
 }
 
 // x + low = 2^n (1 + e) for a positive x and |low| much below x, sqrt(1/2) <= 1 + e < sqrt(2), and
@@ -98,8 +99,7 @@ MICROFACET_INLINE reduced_logarithm<R> reduce_log(const R& x, const R& low) {
   const R m = from_bits(wrapping_difference(bits(x), shift), x);
   const R power =
       from_bits(wrapping_difference(integers<R>(bits(R(2))), shift), x);  // 2^(1 - n): n may be 1024
-  const R real_n =
-      rounded(R(from_bits(wrapping_sum(integers<R>(bits(R(f::round))), n), x) - R(f::round)));
+  const R real_n = rounded(R(from_bits(wrapping_sum(integers<R>(bits(R(f::round))), n), x) - R(f::round)));
   const R e = multiply_add(R(R(0.5) * low), power, rounded(R(m - R(1))));
   const R s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
   return {real_n, e, half - s * multiply_add(s2, polynomial(f::log, s2), half)};
@@ -116,8 +116,8 @@ MICROFACET_INLINE logarithm<R> log(const R& x, const R& low) {
   const reduced_logarithm<R> l = reduce_log(x, low);
   const R tail = rounded(R(l.e - multiply_add(l.n, R(-f::ln2_low), l.less))), head = l.n * R(f::ln2_high);
   const R sum = rounded(R(head + tail));
-  const R value = select(x < R(inf), sum, x);
-  const R below = select(x < R(0), nan<R>(), R(-inf));
+  const R value = select(is_below_infinity(x), sum, x);
+  const R below = select(x < R(0), nan<R>(), R(-infinite<R>()));
   return {select(x < smallest<R>(), below, value), rounded(R(tail - rounded(R(sum - head))))};
 }
 template <class R>
@@ -128,7 +128,7 @@ template <class R>
 MICROFACET_INLINE R log1p(const R& x) {
   const R one_more = rounded(R(R(1) + x)), t = rounded(R(one_more - R(1)));
   const R low = rounded(R(R(1) - rounded(R(one_more - t)))) + rounded(R(x - t));
-  const R value = elementary::log(one_more, R(select(x < R(inf), low, R(0)))).high;
+  const R value = elementary::log(one_more, R(select(is_below_infinity(x), low, R(0)))).high;
   return select(abs(x) < R(0x1p-60), x, value);  // the least numbers lose their halves
 }
 

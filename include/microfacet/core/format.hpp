@@ -96,6 +96,23 @@ using format = format_of_lane<typename scalar_traits<R>::real>;
 template <class R>
 using integers = typename integers_of<R>::type;
 
+// Whether x is no nan, for numbers that must not follow one: under -ffinite-math-only comparisons may take it
+// for anything.
+template <class R>
+auto is_number(const R& x) {
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+  if constexpr (has_lanes<R>) {
+    return integers<R>(bits(x) & integers<R>(format<R>::magnitude)) <= integers<R>(format<R>::exponent);
+  } else {
+    return x == x;
+  }
+#else
+  return x == x;
+#endif
+}
+
+inline bool is_positive_number(double x) { return is_number(x) && x > 0 && is_below_infinity(x); }
+
 // The power of two at or below a positive x, by which a multiplication is exact; 1 for a scalar without bits.
 template <class R>
 R power_of_two(const R& x) {

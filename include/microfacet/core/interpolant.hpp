@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "microfacet/core/format.hpp"
 #include "microfacet/core/math.hpp"
 
 namespace microfacet {
@@ -145,6 +146,7 @@ struct interpolant {
     for (std::size_t j = 0; j < N; ++j) at[j] = p.centre + p.half * waves[2 * j + 1];
     for (std::size_t j = N; j < points; ++j) at[j] = p.centre + p.half * waves[2 * extrema[j - N]];
     sample(at.data(), f.data(), points);
+    if (!std::all_of(f.begin(), f.end(), elementary::is_positive_number)) return p;
     p.reference = f[N / 2];
     double swing = 0, worst = 0;
     for (std::size_t j = 0; j < points; ++j) {

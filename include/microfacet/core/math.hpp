@@ -8,6 +8,7 @@
 // a result beyond rounding.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -31,7 +32,9 @@ using std::sqrt;
 
 inline constexpr double pi = std::numbers::pi;
 inline constexpr double sqrt_pi = 1.7724538509055160273;  // sqrt(pi)
-inline constexpr double inf = std::numeric_limits<double>::infinity();
+// By their bits, for compilers warn of the names under -ffinite-math-only.
+inline constexpr double inf = std::bit_cast<double>(std::uint64_t{0x7ff} << 52),
+                        not_a_number = std::bit_cast<double>(std::uint64_t{0xfff} << 51);
 
 template <class T>
 using integer_of = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
@@ -50,13 +53,18 @@ struct scalar_traits {
 
 template <class T>
 T nan() {
-  return T(std::numeric_limits<typename scalar_traits<T>::real>::quiet_NaN());
+  return T(static_cast<typename scalar_traits<T>::real>(not_a_number));
 }
 
 // Smallest normal number: a floor for arguments of log and of divisions.
 template <class T>
 T smallest() {
   return T(std::numeric_limits<typename scalar_traits<T>::real>::min());
+}
+
+template <class T>
+T largest() {
+  return T(std::numeric_limits<typename scalar_traits<T>::real>::max());
 }
 
 // A bound on arguments that are squared or multiplied by themselves a few times: its square is finite.
@@ -92,6 +100,17 @@ MICROFACET_INLINE T rounded(const T& x) {
   } else {
     return x;
   }
+}
+
+// Infinity by overflow, and whether x is below it: under -ffinite-math-only compilers take what is written as
+// infinity for something that never occurs.
+template <class T>
+MICROFACET_INLINE T infinite() {
+  return rounded(T(T(2) * largest<T>()));
+}
+template <class T>
+MICROFACET_INLINE auto is_below_infinity(const T& x) {
+  return x <= largest<T>();
 }
 
 template <class T>

@@ -51,11 +51,11 @@ struct pack {
       return std::bit_cast<vector>(a);
     }
   }
-#define MICROFACET_ARITHMETIC(OP)                                                                     \
-  MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) {                           \
-    return from([&](int k) {                                                                          \
-      return rounded_lanes(std::bit_cast<modular>(a.v[k]) OP std::bit_cast<modular>(b.v[k]));         \
-    });                                                                                               \
+#define MICROFACET_ARITHMETIC(OP)                                                             \
+  MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) {                   \
+    return from([&](int k) {                                                                  \
+      return rounded_lanes(std::bit_cast<modular>(a.v[k]) OP std::bit_cast<modular>(b.v[k])); \
+    });                                                                                       \
   }
   MICROFACET_ARITHMETIC(+)
   MICROFACET_ARITHMETIC(-)

@@ -45,9 +45,10 @@ struct piecewise {
   bits_type base{};
   int shift = 0;
   bool few = true;
-  T last{1};                            // an x in the last cell: what lies beyond belongs to it
-  T lower{1}, at_zero{};                // below `lower`, a normal number, f is at_zero
-  double error = inf, far_error = inf;  // largest relative errors found, near f = 1 and far from it
+  T last{1};              // an x in the last cell: what lies beyond belongs to it
+  T lower{1}, at_zero{};  // below `lower`, a normal number, f is at_zero
+  double error = largest<double>(),
+         far_error = error;  // largest relative errors found, near f = 1 and far from it
 
   // factor f(x), where the factor is large if f(x) underflows. What the leading bits of 0, inf and nan give
   // is finite, or left out.

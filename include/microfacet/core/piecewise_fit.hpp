@@ -41,7 +41,9 @@ class piecewise_fit {
   Table operator()() {
     constexpr int octave = std::numeric_limits<T>::digits - 1;
     const double lowest = range_.roots ? 2 * range_.lower : range_.lower;
-    const auto in_range = [this](double, double f) { return f >= range_.least && f <= most(); };
+    const auto in_range = [this](double, double f) {
+      return elementary::is_positive_number(f) && f >= range_.least && f <= most();
+    };
     low_ = reach(sample_, range_.inside, lowest, in_range);
     high_ = reach(sample_, range_.inside, range_.upper, in_range);
     goes_on_ = high_ >= range_.upper;
@@ -180,7 +182,8 @@ class piecewise_fit {
       if (high < (root ? std::numeric_limits<T>::min() : table_.lower)) continue;
       if (f[k] < 4 * std::numeric_limits<T>::min()) continue;
       const double got = root ? table_.of_root(high) : table_(twofold<T>(high, low));
-      const double error = std::abs(got / f[k] - 1);
+      const double measured = std::abs(got / f[k] - 1);
+      const double error = elementary::is_number(measured) ? measured : largest<double>();
       double& most = std::abs(std::log(f[k])) > range_.central ? table_.far_error : table_.error;
       if (!(error <= most)) most = error;
     }

@@ -83,11 +83,11 @@ class many_pieces_fit {
   double reach(double to, const Inside& inside) {
     double from = range_.first_end, f;
     sample_(&to, &f, 1);
-    if (inside(f)) return to;
+    if (elementary::is_number(f) && inside(f)) return to;
     for (int i = 0; i < 30; ++i) {
       const double middle = 0.5 * (from + to);
       sample_(&middle, &f, 1);
-      (inside(f) ? from : to) = middle;
+      (elementary::is_number(f) && inside(f) ? from : to) = middle;
     }
     return from;
   }
@@ -110,6 +110,8 @@ class many_pieces_fit {
     sample_(at.data(), f.data(), nodes);
     // A node may lie beyond the end by the rounding of the centre.
     for (std::size_t j = 1; j < nodes; ++j) f[j] = f[j] > 0 ? f[j] : f[j - 1];
+    p.excess = 1e30, p.reference = nan<double>();
+    if (!std::all_of(f.begin(), f.end(), elementary::is_positive_number)) return p;
     p.reference = f[nodes / 2];
     double most = 0;
     for (std::size_t j = 0; j < nodes; ++j) {
@@ -125,12 +127,12 @@ class many_pieces_fit {
     // Far from 1 the rounding of an exponent is larger.
     const double allowed = error * (1 + 0.002 * square(std::log(p.reference))) + rounding * most;
     p.excess = std::max(rest / allowed, most / swing);
-    if (!(p.excess < inf)) p.excess = 1e30;
+    if (!is_below_infinity(p.excess)) p.excess = 1e30;
     return p;
   }
 
   void store(double end) {
-    table_.start.fill(std::numeric_limits<T>::infinity());
+    table_.start.fill(std::numeric_limits<T>::max());
     for (std::size_t i = 0; i < count_; ++i) store(pieces_[i], i);
     const bool vanishes = end < range_.upper;
     const std::size_t last = count_;
@@ -145,7 +147,7 @@ class many_pieces_fit {
     }
     table_.few = count_ < Table::pieces / 2;
     table_.lower = std::max(table_.start[0], std::numeric_limits<T>::min());
-    table_.upper = static_cast<T>(vanishes ? 4 * std::exp(end) : std::numeric_limits<T>::max());
+    table_.upper = static_cast<T>(vanishes ? 4 * std::exp(end) : 0.5 * std::numeric_limits<T>::max());
     table_.at_zero = static_cast<T>(range_.at_zero);
   }
 

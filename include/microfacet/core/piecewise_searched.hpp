@@ -23,15 +23,16 @@ struct piecewise_searched {
   using real = T;
   using row = std::array<T, Pieces>;
 
-  alignas(
-      64) row start{};  // x from which on a piece holds, ascending; start[0] is not looked at, unused are inf
-  row centre{};         // log x with so few digits that n ln2_high - centre is exact
-  row twice_value{};    // 2 f(centre)
+  alignas(64)
+      row start{};  // x from which on a piece holds, ascending; start[0] is not looked at, unused the largest
+  row centre{};     // log x with so few digits that n ln2_high - centre is exact
+  row twice_value{};  // 2 f(centre)
   std::array<row, Terms> coefficient{};
   T lower{1}, upper{1};  // normal numbers: f(0) below the one, f(upper) above the other
   T at_zero{};
-  double error = inf, far_error = inf;  // largest relative errors found, near f = 1 and far from it
-  bool few = false;                     // at most half of the pieces are in use
+  double error = largest<double>(),
+         far_error = error;  // largest relative errors found, near f = 1 and far from it
+  bool few = false;          // at most half of the pieces are in use
 
   template <class R>
   MICROFACET_INLINE R operator()(const twofold<R>& x) const {

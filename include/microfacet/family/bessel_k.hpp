@@ -36,7 +36,7 @@ class bessel_k {
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   static bool sampling_fits_float32(double a) { return a >= 0.5; }
 
-  explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a < T(inf)), a)) {}
+  explicit bessel_k(const T& a) : a_(where((a > T(0)) & is_below_infinity(a), a)) {}
 
   T nothing() const { return T(0) * a_; }
   T P22(const twofold<T>& r2) const { return density(sqrt(r2), T(1)); }
@@ -78,12 +78,12 @@ class bessel_k {
       moving = moving & far;
       if (!some_lane(moving)) break;
     }
-    return select(xi_argument == T(0), T(0), select(xi == T(1), T(inf), y));
+    return select(xi_argument == T(0), T(0), select(xi == T(1), infinite<T>(), y));
   }
   T P2(const slope<T>& t) const {
     const auto finite = a_ > T(0.5);
     const T at_zero = gamma_half_step(a_) * sqrt(a_) / (T(sqrt_pi) * select(finite, T(a_ - T(0.5)), T(1)));
-    return select(t.value.high == T(0), select(finite, at_zero, T(at_zero * T(inf))),
+    return select(t.value.high == T(0), select(finite, at_zero, T(at_zero * infinite<T>())),
                   variance_gamma::density(a_, abs(t.value)));
   }
   T slope_sf(const slope<T>& t) const {
@@ -102,7 +102,7 @@ class bessel_k {
     const T value = rounded(once) * (decay * T(1 / pi));
     const auto finite = a_ > T(1);
     const T at_normal = square(factor) / (T(pi) * select(finite, T(a_ - T(1)), T(1)));
-    return select(y.high == T(0), select(finite, at_normal, T(at_normal * T(inf))), value);
+    return select(y.high == T(0), select(finite, at_normal, T(at_normal * infinite<T>())), value);
   }
 
   T a_;

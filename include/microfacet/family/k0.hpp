@@ -94,7 +94,7 @@ class k0 {
     const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
     const T once = rounded(T(detail::k0_functions<T>(r2).template density<60>() * reciprocal));
     const T value = once * (reciprocal * T(0x1p-60 / pi));
-    return select(r2.high == T(0), T(inf), value);
+    return select(r2.high == T(0), infinite<T>(), value);
   }
   T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
   T radius2(const T& xi) const { return square(radius(xi)); }
@@ -188,7 +188,7 @@ class k0 {
   }
 
   static T peaked(const detail::k0_functions<T>& at, const T& y) {
-    return select(y == T(0), T(inf), T(at.density() * T(1 / pi)));
+    return select(y == T(0), infinite<T>(), T(at.density() * T(1 / pi)));
   }
 };
 

@@ -57,14 +57,15 @@ class sampled : detail::sampled_panels {
   }
   // Newton's method in log r on the logarithm of the smaller tail, between bounds.
   double radius_of_odds(double odds) const {
-    if (!(odds > 0 && odds < inf)) return odds == 0 ? 0 : odds;
+    if (!(odds > 0 && is_below_infinity(odds))) return odds == 0 ? 0 : odds;
     const bool lower = odds <= 1;
     const double target = std::log((lower ? odds : 1) / (1 + odds) * norm_ / (2 * pi));
     double least = begin_ - 800, most = end_ + 800, L = median_;
     for (int i = 0; i < 200; ++i) {
       const double tail = lower ? mass_below(L) : mass_above(L), off = std::log(tail) - target;
       (lower == (off > 0) ? most : least) = L;
-      const double step = -off * tail / (at(L) * std::exp(2 * L)) * (lower ? 1 : -1);
+      const double newton = -off * tail / (at(L) * std::exp(2 * L)) * (lower ? 1 : -1);
+      const double step = elementary::is_number(newton) ? newton : most - least;
       if (std::abs(step) < 4e-16 * (1 + std::abs(L))) break;
       L = L + step > least && L + step < most ? L + step : 0.5 * (least + most);
     }
@@ -127,7 +128,7 @@ class sampled : detail::sampled_panels {
     values L, sinh, r;
     for (std::size_t j = 0; j < nodes; ++j) {
       const double e = elementary::expm1(from + half * (1 + rule_.node[j])),
-                   cosh_less = 0.5 * e * e / (1 + e);
+                   cosh_less = 0.5 * e * rounded(e / (1 + e));
       sinh[j] = 0.5 * (e + e / (1 + e)), r[j] = t * (1 + cosh_less),
       L[j] = start + elementary::log1p(cosh_less);
     }

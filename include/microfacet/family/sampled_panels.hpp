@@ -23,8 +23,8 @@ class sampled_panels {
   sampled_panels(const sampled_function& density, double lower, double upper, double at_zero)
       : P22_(many_pieces_fit<double>(density, {lower, lower, upper, at_zero, 1e-300})()) {
     // The last piece is the power beyond the end, or nothing.
-    const auto pieces =
-        static_cast<std::size_t>(std::find(P22_.start.begin(), P22_.start.end(), inf) - P22_.start.begin());
+    const auto pieces = static_cast<std::size_t>(
+        std::find(P22_.start.begin(), P22_.start.end(), largest<double>()) - P22_.start.begin());
     begin_ = lower, end_ = std::log(P22_.start[pieces - 1]);
     low_power_ = std::log(at(begin_ + 1) / at(begin_));
     if (P22_.twice_value[pieces - 1] > 0) high_power_ = std::log(at(end_ - 0.5) / at(end_ - 1.5));
@@ -55,7 +55,7 @@ class sampled_panels {
   // Panels inside the pieces, on which no integrand changes much.
   void add_panels() {
     panel_[0] = begin_;
-    for (std::size_t i = 1; i < table::pieces && P22_.start[i] < inf; ++i) {
+    for (std::size_t i = 1; i < table::pieces && P22_.start[i] < largest<double>(); ++i) {
       const double from = panel_[panels_], to = std::min(std::log(P22_.start[i]), end_);
       if (!(to > from)) continue;
       const std::size_t first_panel = panels_;
@@ -97,10 +97,12 @@ class sampled_panels {
     // Beyond the ends: int r^(p + k) dr.
     const double first = at(begin_), r0 = std::exp(begin_), last = at(end_), r1 = std::exp(end_);
     const auto tail = [&](double k) {
-      return high_power_ == 0 ? 0 : high_power_ + k < 0 ? last * std::pow(r1, k) / -(high_power_ + k) : inf;
+      return high_power_ == 0      ? 0
+             : high_power_ + k < 0 ? last * std::pow(r1, k) / -(high_power_ + k)
+                                   : infinite<double>();
     };
     const auto head = [&](double k) {
-      return low_power_ + k > 0 ? first * std::pow(r0, k) / (low_power_ + k) : inf;
+      return low_power_ + k > 0 ? first * std::pow(r0, k) / (low_power_ + k) : infinite<double>();
     };
     above_[panels_] = {tail(1), tail(2), tail(3)};
     below_[0] = head(2);

@@ -35,7 +35,7 @@ class student_t {
   static constexpr unsigned costly = of_slope_sf | of_slope_excess;
 
   explicit student_t(const T& gamma)
-      : k_(where((gamma > T(parameters[0].density_lower)) & (gamma < T(inf)), T(gamma - T(1)))),
+      : k_(where((gamma > T(parameters[0].density_lower)) & is_below_infinity(gamma), T(gamma - T(1)))),
         norm_(gamma_half_step(k_) / T(sqrt_pi)),
         inverse_k_(quotient(twofold<T>(T(1)), twofold<T>(k_))) {}
 

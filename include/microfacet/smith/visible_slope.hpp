@@ -54,19 +54,21 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T whole = above + under, rest = T(1) - share;
     on_lower_ = select(share > T(0.5), under - rest * whole, share * whole - above) > T(0);
     part_ = select(on_lower_, under, above);
-    depth_ = maximum(T(-log(select(on_lower_, rest, share) * (whole / part_))), T(0));
+    const T of_part = select(on_lower_, rest, share) * rounded(T(whole / part_));
+    depth_ = maximum(T(-log(maximum(of_part, smallest<T>()))), T(0));
     // On the upper side, what lies between its start and the result.
     between_ = maximum(T(rest * whole - under), T(0));
   }
 
   T operator()() const {
     T v = first();
-    auto moving = v >= T(0);
+    auto moving = elementary::is_number(v) & (v >= T(0));
     v = select(moving, v, T(0));
     // A lane that has converged stays, so that its neighbours do not change it; so does one that has left the
     // range of the family's functions.
     for (int i = 0; i < 16; ++i) {
-      const T after = next(v), moved = select(moving & (after >= T(0)), after, v);
+      const T after = next(v),
+              moved = select(moving & elementary::is_number(after) & (after >= T(0)), after, v);
       // Convergence is quadratic at least.
       moving =
           moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * select(on_lower_, minimum(v, T(c_ - v)), v));
@@ -109,7 +111,8 @@ class visible_slope_solver : visible_functions<Family, T> {
       const T less = minimum(t1, by_angle), more = maximum(maximum(t1, by_angle), smallest<T>());
       const T blend = less / (T(1) + T(0.19) * square(square(T(less / more))));
       // At its end the probability is P2(x) (x - v)^2/2.
-      const T end = x_ - sqrt(T(2) * part_ * exp(fall(at_start_, at_x_, abs(x_)) - depth_));
+      const T growth = exp(minimum(T(fall(at_start_, at_x_, abs(x_)) - depth_), T(40)));  // stays finite
+      const T end = x_ - sqrt(T(2) * part_ * growth);
       return select(end > T(0.5) * x_, end, blend);
     };
     return unless(on_lower_, above, under);

@@ -119,14 +119,14 @@ class visible_tails {
       rest = select((R > T(1.2) * along) & (inverse > T(0.03) * start), T((R - along) * (R + along)), rest);
     }
     // In the variable log(R^2 - along^2).
-    auto moving = rest >= T(0);
+    auto moving = elementary::is_number(rest) & (rest >= T(0));
     for (int i = 0; i < 12; ++i) {
       const T R = off_zero(sqrt(along * along + rest)), value = density(R),
               r = log(density(along) / value) - depth;
       const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
       const T change = T(2) * R * r / maximum(T(slope * rest), smallest<T>());
       const T moved = rest * exp(maximum(minimum(T(-change), T(2)), T(-2)));
-      rest = select(moving & (moved >= T(0)), moved, rest);
+      rest = select(moving & elementary::is_number(moved) & (moved >= T(0)), moved, rest);
       moving = moving & (abs(change) > T(single ? 1e-3 : 1e-9));
       if (!some_lane(moving)) break;
     }
