@@ -80,7 +80,7 @@ void check_family(const Family& family, double alpha) {
   static mf::radial_tables<T> tables;
   tables.build(family);
   const mf::radial_error error = tables.error(mf::of_all);
-  const check::note at("errors measured ", error.near, " and ", error.far);
+  const check::note at("errors measured ", error.error, " and ", error.far_error);
   CHECK(tables.good(mf::of_all));
   const double stretch = Family::shape_invariant ? static_cast<double>(static_cast<T>(alpha)) : 1;
   using view = mf::prepared<T>;

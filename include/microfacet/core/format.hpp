@@ -32,20 +32,20 @@ T from_bits(integer_of<T> i, T) {
 }
 
 // Bits of numbers without a meaning here (negative ones in log, say) may leave the range of a signed integer.
-template <class I>
-MICROFACET_INLINE I wrapping_sum(const I& a, const I& b) {
-  if constexpr (std::is_integral_v<I>) {
-    using bits = std::make_unsigned_t<I>;
-    return static_cast<I>(static_cast<bits>(a) + static_cast<bits>(b));
+template <class Integer>
+MICROFACET_INLINE Integer wrapping_sum(const Integer& a, const Integer& b) {
+  if constexpr (std::is_integral_v<Integer>) {
+    using bits = std::make_unsigned_t<Integer>;
+    return static_cast<Integer>(static_cast<bits>(a) + static_cast<bits>(b));
   } else {
     return a + b;
   }
 }
-template <class I>
-MICROFACET_INLINE I wrapping_difference(const I& a, const I& b) {
-  if constexpr (std::is_integral_v<I>) {
-    using bits = std::make_unsigned_t<I>;
-    return static_cast<I>(static_cast<bits>(a) - static_cast<bits>(b));
+template <class Integer>
+MICROFACET_INLINE Integer wrapping_difference(const Integer& a, const Integer& b) {
+  if constexpr (std::is_integral_v<Integer>) {
+    using bits = std::make_unsigned_t<Integer>;
+    return static_cast<Integer>(static_cast<bits>(a) - static_cast<bits>(b));
   } else {
     return a - b;
   }

@@ -71,12 +71,12 @@ void in_lanes(const double* x, double* f, std::size_t n, const Function& functio
   constexpr std::size_t width = sizeof(R) / sizeof(double);
   std::array<double, width> in, out;
   for (std::size_t i = 0; i < n; i += width) {
-    for (std::size_t j = 0; j < width; ++j) in[j] = x[std::min(i + j, n - 1)];
+    for (std::size_t j = 0; j < width; ++j) in[j] = x[(std::min)(i + j, n - 1)];
     R a;
     std::memcpy(&a, in.data(), sizeof a);
     const R b = function(a);
     std::memcpy(out.data(), &b, sizeof b);
-    std::copy_n(out.data(), std::min(width, n - i), f + i);
+    std::copy_n(out.data(), (std::min)(width, n - i), f + i);
   }
 }
 
@@ -109,7 +109,7 @@ double reach(const sampled_function& sample, double from, double to, const Insid
     for (std::size_t i = 0; i < points; ++i) at[i] = from + (to - from) * static_cast<double>(i + 1) / points;
     sample(at.data(), f.data(), points);
     std::size_t i = 0;
-    while (i < points && inside(at[i], f[i])) ++i;
+    while (i < points && elementary::is_number(f[i]) && inside(at[i], f[i])) ++i;
     if (i == points) return to;
     to = at[i];
     if (i > 0) from = at[i - 1];
@@ -151,7 +151,7 @@ struct interpolant {
     double swing = 0, worst = 0;
     for (std::size_t j = 0; j < points; ++j) {
       t[j] = std::log(f[j] / p.reference);
-      swing = std::max(swing, std::abs(t[j]));
+      swing = (std::max)(swing, std::abs(t[j]));
     }
     for (std::size_t k = 0; k < N; ++k) {
       double sum = 0;
@@ -164,7 +164,7 @@ struct interpolant {
       if (!(std::abs(error) <= worst)) worst = std::abs(error);  // a nan stays
     }
     // Of the values the one nearest 1, as near as it comes.
-    const double size = std::min(std::abs(std::log(f.front())), std::abs(std::log(f[N - 1])));
+    const double size = (std::min)(std::abs(std::log(f.front())), std::abs(std::log(f[N - 1])));
     p.wide = std::pow(swing / (size > central ? limits::far_swing : limits::swing), static_cast<double>(N));
     const double excess = worst / allowed(std::exp(size), swing, central);
     if (excess < p.excess) p.excess = excess;

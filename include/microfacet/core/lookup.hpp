@@ -13,14 +13,14 @@
 namespace microfacet {
 
 // The element index mod N of the first N in the table; N is a power of two.
-template <std::size_t N, class Element, std::size_t Size, std::integral I>
-MICROFACET_INLINE Element lookup(const std::array<Element, Size>& table, I index) {
+template <std::size_t N, class Element, std::size_t Size, std::integral Integer>
+MICROFACET_INLINE Element lookup(const std::array<Element, Size>& table, Integer index) {
   return table[static_cast<std::size_t>(index) % N];
 }
 // a >> n without regard to a sign, n chosen lane by lane.
-template <std::integral I>
-MICROFACET_INLINE I shift_right(I a, I n) {
-  return static_cast<I>(static_cast<std::make_unsigned_t<I>>(a) >> n);
+template <std::integral Integer>
+MICROFACET_INLINE Integer shift_right(Integer a, Integer n) {
+  return static_cast<Integer>(static_cast<std::make_unsigned_t<Integer>>(a) >> n);
 }
 
 #if MICROFACET_VECTOR_EXTENSIONS
@@ -54,18 +54,19 @@ MICROFACET_INLINE Vector lookup(const Element* table, const Indices& index) {
 
 }  // namespace registers
 
-template <std::size_t N, class Element, std::size_t Size, class I, std::size_t B, int K>
+template <std::size_t N, class Element, std::size_t Size, class Integer, std::size_t B, int K>
 MICROFACET_INLINE pack<Element, B, K> lookup(const std::array<Element, Size>& table,
-                                             const pack<I, B, K>& index) {
+                                             const pack<Integer, B, K>& index) {
   using vector = typename pack<Element, B, K>::vector;
   return pack<Element, B, K>::from(
       [&](int k) { return registers::lookup<N, vector>(table.data(), index.v[k]); });
 }
-template <std::integral I, std::size_t B, int K>
-MICROFACET_INLINE pack<I, B, K> shift_right(const pack<I, B, K>& a, const pack<I, B, K>& n) {
-  using vector = typename pack<I, B, K>::vector;
-  typedef std::make_unsigned_t<I> plain __attribute__((vector_size(B)));
-  return pack<I, B, K>::from([&](int k) {
+template <std::integral Integer, std::size_t B, int K>
+MICROFACET_INLINE pack<Integer, B, K> shift_right(const pack<Integer, B, K>& a,
+                                                  const pack<Integer, B, K>& n) {
+  using vector = typename pack<Integer, B, K>::vector;
+  typedef std::make_unsigned_t<Integer> plain __attribute__((vector_size(B)));
+  return pack<Integer, B, K>::from([&](int k) {
     return std::bit_cast<vector>(std::bit_cast<plain>(a.v[k]) >> std::bit_cast<plain>(n.v[k]));
   });
 }

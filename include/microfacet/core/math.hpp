@@ -59,12 +59,12 @@ T nan() {
 // Smallest normal number: a floor for arguments of log and of divisions.
 template <class T>
 T smallest() {
-  return T(std::numeric_limits<typename scalar_traits<T>::real>::min());
+  return T((std::numeric_limits<typename scalar_traits<T>::real>::min)());
 }
 
 template <class T>
 T largest() {
-  return T(std::numeric_limits<typename scalar_traits<T>::real>::max());
+  return T((std::numeric_limits<typename scalar_traits<T>::real>::max)());
 }
 
 // A bound on arguments that are squared or multiplied by themselves a few times: its square is finite.
@@ -144,11 +144,11 @@ T expm1_over(const T& x) {
 // exp(x) - 1 - x, by its series near 0, where the difference cancels.
 template <class T>
 T expm1_less(const T& x) {
-  const auto near = abs(x) < T(0.3);
-  const T inside = select(near, x, T(0));
+  const auto by_series = abs(x) < T(0.3);
+  const T inside = select(by_series, x, T(0));
   T series(1);
   for (int k = 13; k >= 3; --k) series = T(1) + series * inside / T(k);
-  return select(near, T(T(0.5) * inside * inside * series), T(expm1(x) - x));
+  return select(by_series, T(T(0.5) * inside * inside * series), T(expm1(x) - x));
 }
 template <class T>
 T log1p_over(const T& x) {

@@ -67,8 +67,8 @@ struct piecewise {
   MICROFACET_INLINE R of_root(const R& x) const {
     const twofold<R> x2 = exact_product(x, x);
     const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_ratio<2>(inside, R(0), R(centre[0]));
-    const R near = polynomial_of<true>(v, elementary::integers<R>(0), R(1));
-    const R f = select(x2.high >= R(lower), (*this)(x2), near);
+    const R first_piece = polynomial_of<true>(v, elementary::integers<R>(0), R(1));
+    const R f = select(x2.high >= R(lower), (*this)(x2), first_piece);
     return select(x >= smallest<R>(), f, R(R(at_zero) + (x - x)));
   }
 
@@ -95,7 +95,7 @@ struct piecewise {
   template <bool Few, class R>
   MICROFACET_INLINE R value(const twofold<R>& x, const R& factor) const {
     // Infinity would lie far beyond the last piece, with a low that is nan.
-    constexpr T most = std::numeric_limits<T>::max() / 4;
+    constexpr T most = (std::numeric_limits<T>::max)() / 4;
     const auto finite = x.high < R(most);
     const R high = select(finite, x.high, R(most)), low = select(finite, x.low, R(0));
     const elementary::integers<R> i = piece<Few>(high);
@@ -117,8 +117,8 @@ struct piecewise {
   }
   MICROFACET_INLINE static bits_type larger(bits_type a, bits_type b) { return a > b ? a : b; }
 #if MICROFACET_VECTOR_EXTENSIONS
-  template <class I>
-  MICROFACET_INLINE static I larger(const I& a, const I& b) {
+  template <class Integer>
+  MICROFACET_INLINE static Integer larger(const Integer& a, const Integer& b) {
     return select(a > b, a, b);
   }
 #endif

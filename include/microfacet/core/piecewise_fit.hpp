@@ -41,9 +41,7 @@ class piecewise_fit {
   Table operator()() {
     constexpr int octave = std::numeric_limits<T>::digits - 1;
     const double lowest = range_.roots ? 2 * range_.lower : range_.lower;
-    const auto in_range = [this](double, double f) {
-      return elementary::is_positive_number(f) && f >= range_.least && f <= most();
-    };
+    const auto in_range = [this](double, double f) { return f >= range_.least && f <= most(); };
     low_ = reach(sample_, range_.inside, lowest, in_range);
     high_ = reach(sample_, range_.inside, range_.upper, in_range);
     goes_on_ = high_ >= range_.upper;
@@ -60,7 +58,7 @@ class piecewise_fit {
   }
 
  private:
-  static double most() { return 0.01 * static_cast<double>(std::numeric_limits<T>::max()); }
+  static double most() { return 0.01 * static_cast<double>((std::numeric_limits<T>::max)()); }
 
   bool pieces(bool few, int shift) {
     table_ = Table();
@@ -68,22 +66,22 @@ class piecewise_fit {
     table_.at_zero = static_cast<T>(range_.at_zero);
     count_ = 0, guess_ = 1;
     // The last cell begins where the pieces end, unless there are more cells than numbers below.
-    const bits_type least = std::bit_cast<bits_type>(std::numeric_limits<T>::min());
+    const bits_type least = std::bit_cast<bits_type>((std::numeric_limits<T>::min)());
     const bits_type end = std::bit_cast<bits_type>(static_cast<T>(std::exp(high_)));
     const auto in_cells = [](bits_type n, int width) { return static_cast<std::ptrdiff_t>(n >> width); };
     const std::ptrdiff_t coarse = in_cells(end, shift + Table::coarser) + 1;
     const std::ptrdiff_t fine = static_cast<std::ptrdiff_t>(Table::cells(few)) - coarse;
     if (fine < 8) return false;
-    const std::ptrdiff_t below = std::min(fine - 1, in_cells(end - least, shift));
+    const std::ptrdiff_t below = (std::min)(fine - 1, in_cells(end - least, shift));
     table_.base = end - (static_cast<bits_type>(below) << shift);
-    table_.last = static_cast<T>(std::exp(std::min(high_ + 0.1, sizeof(T) == 4 ? 88.0 : 709.0)));
+    table_.last = static_cast<T>(std::exp((std::min)(high_ + 0.1, sizeof(T) == 4 ? 88.0 : 709.0)));
 
     double from = low_;
     if (range_.roots) {
       if (!accept(polynomial::fit(sample_, low_, range_.lower, range_.central))) return false;
       from = range_.lower;
     }
-    table_.lower = std::max(static_cast<T>(std::exp(from)), std::numeric_limits<T>::min());
+    table_.lower = (std::max)(static_cast<T>(std::exp(from)), (std::numeric_limits<T>::min)());
     for (std::ptrdiff_t cell = first_cell(from, coarse); cell < below;) {
       const std::size_t number = count_;
       const std::ptrdiff_t n = widest(cell, below, from);
@@ -116,8 +114,8 @@ class piecewise_fit {
     std::ptrdiff_t met = 0, failed = most + 1, n = std::clamp<std::ptrdiff_t>(guess_, 1, most);
     while (n > met && n < failed) {
       const polynomial now = polynomial::fit(sample_, from, edge(cell + n), range_.central);
-      const double excess = std::max(now.excess, now.wide), width = 2 * now.half;
-      const double growth = 0.97 * std::pow(std::max(excess, 1e-30), -1.0 / nodes);
+      const double excess = (std::max)(now.excess, now.wide), width = 2 * now.half;
+      const double growth = 0.97 * std::pow((std::max)(excess, 1e-30), -1.0 / nodes);
       const auto in_cells = [&](double factor) {
         std::ptrdiff_t k = n;
         if (factor > 1)
@@ -129,11 +127,11 @@ class piecewise_fit {
       if (excess <= 1 || (n == 1 && excess <= tolerated)) {
         met = n, met_ = now;
         const bool easy = excess < 0.5;
-        n = std::max(in_cells(std::clamp(growth, easy ? 1.5 : 1.0, 6.0)), easy ? n + 1 : n);
-        n = std::min({n, most, (met + failed) / 2});
+        n = (std::max)(in_cells(std::clamp(growth, easy ? 1.5 : 1.0, 6.0)), easy ? n + 1 : n);
+        n = (std::min)({n, most, (met + failed) / 2});
       } else {
         failed = n;
-        n = std::max(in_cells(std::clamp(growth, 0.2, 1.0)), (met + n) / 2);
+        n = (std::max)(in_cells(std::clamp(growth, 0.2, 1.0)), (met + n) / 2);
         if (n == failed) --n;
       }
       if (met > 0 && failed - met <= 1 + met / 8) break;
@@ -179,13 +177,12 @@ class piecewise_fit {
     for (std::size_t k = 0; k < points; ++k) {
       const double x = elementary::exp(root ? 0.5 * at[k] : at[k]);
       const T high = static_cast<T>(x), low = static_cast<T>(x - static_cast<double>(high));
-      if (high < (root ? std::numeric_limits<T>::min() : table_.lower)) continue;
-      if (f[k] < 4 * std::numeric_limits<T>::min()) continue;
+      if (high < (root ? (std::numeric_limits<T>::min)() : table_.lower)) continue;
+      if (f[k] < 4 * (std::numeric_limits<T>::min)()) continue;
       const double got = root ? table_.of_root(high) : table_(twofold<T>(high, low));
-      const double measured = std::abs(got / f[k] - 1);
-      const double error = elementary::is_number(measured) ? measured : largest<double>();
+      const double error = std::abs(got / f[k] - 1);
       double& most = std::abs(std::log(f[k])) > range_.central ? table_.far_error : table_.error;
-      if (!(error <= most)) most = error;
+      if (!(elementary::is_number(error) && error <= most)) most = error;
     }
   }
 

@@ -104,7 +104,7 @@ class many_pieces_fit {
     interpolant p;
     p.a = a, p.b = b;
     p.centre = std::round(0.5 * (a + b) * grid) / grid;
-    p.half = std::max(p.centre - a, b - p.centre);
+    p.half = (std::max)(p.centre - a, b - p.centre);
     std::array<double, nodes> at, f, t;
     for (std::size_t j = 0; j < nodes; ++j) at[j] = p.centre + p.half * wave(2 * j + 1);
     sample_(at.data(), f.data(), nodes);
@@ -116,23 +116,23 @@ class many_pieces_fit {
     double most = 0;
     for (std::size_t j = 0; j < nodes; ++j) {
       t[j] = std::log(f[j] / p.reference);
-      most = std::max(most, std::abs(t[j]));
+      most = (std::max)(most, std::abs(t[j]));
     }
     for (std::size_t k = 0; k < nodes; ++k) {
       double sum = 0;
       for (std::size_t j = 0; j < nodes; ++j) sum += t[j] * wave(k * (2 * j + 1));
       p.chebyshev[k] = sum * (k == 0 ? 1.0 : 2.0) / static_cast<double>(nodes);
     }
-    const double rest = std::max(std::abs(p.chebyshev[nodes - 1]), 0.2 * std::abs(p.chebyshev[nodes - 2]));
+    const double rest = (std::max)(std::abs(p.chebyshev[nodes - 1]), 0.2 * std::abs(p.chebyshev[nodes - 2]));
     // Far from 1 the rounding of an exponent is larger.
     const double allowed = error * (1 + 0.002 * square(std::log(p.reference))) + rounding * most;
-    p.excess = std::max(rest / allowed, most / swing);
+    p.excess = (std::max)(rest / allowed, most / swing);
     if (!is_below_infinity(p.excess)) p.excess = 1e30;
     return p;
   }
 
   void store(double end) {
-    table_.start.fill(std::numeric_limits<T>::max());
+    table_.start.fill((std::numeric_limits<T>::max)());
     for (std::size_t i = 0; i < count_; ++i) store(pieces_[i], i);
     const bool vanishes = end < range_.upper;
     const std::size_t last = count_;
@@ -146,8 +146,8 @@ class many_pieces_fit {
       table_.coefficient[0][last] = static_cast<T>(std::log(f[1] / f[0]) / (at[1] - at[0]));
     }
     table_.few = count_ < Table::pieces / 2;
-    table_.lower = std::max(table_.start[0], std::numeric_limits<T>::min());
-    table_.upper = static_cast<T>(vanishes ? 4 * std::exp(end) : 0.5 * std::numeric_limits<T>::max());
+    table_.lower = (std::max)(table_.start[0], (std::numeric_limits<T>::min)());
+    table_.upper = static_cast<T>(vanishes ? 4 * std::exp(end) : 0.5 * (std::numeric_limits<T>::max)());
     table_.at_zero = static_cast<T>(range_.at_zero);
   }
 
@@ -169,11 +169,11 @@ class many_pieces_fit {
       sample_(at.data(), f.data(), 2);
       for (std::size_t j = 0; j < 2; ++j) {
         const double x = std::exp(at[j]);
-        if (x < std::numeric_limits<T>::min() || x > std::numeric_limits<T>::max()) continue;
+        if (x < (std::numeric_limits<T>::min)() || x > (std::numeric_limits<T>::max)()) continue;
         const T high = static_cast<T>(x);
         const double got = table_(twofold<T>(high, static_cast<T>(x - static_cast<double>(high))));
         double& most = std::abs(std::log(f[j])) > central ? table_.far_error : table_.error;
-        most = std::max(most, std::abs(got / f[j] - 1));
+        most = (std::max)(most, std::abs(got / f[j] - 1));
       }
     }
   }

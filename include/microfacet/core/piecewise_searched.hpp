@@ -76,13 +76,13 @@ struct piecewise_searched {
     }
     return i;
   }
-  template <class I>
-  MICROFACET_INLINE static I after(bool passed, I i, I next) {
+  template <class Integer>
+  MICROFACET_INLINE static Integer after(bool passed, Integer i, Integer next) {
     return passed ? next : i;
   }
 #if MICROFACET_VECTOR_EXTENSIONS
-  template <class I>
-  MICROFACET_INLINE static I after(const I& passed, const I& i, const I& next) {
+  template <class Integer>
+  MICROFACET_INLINE static Integer after(const Integer& passed, const Integer& i, const Integer& next) {
     return select(passed, next, i);
   }
 #endif

@@ -79,7 +79,9 @@ class beckmann {
   T inverse_tail() const { return T(0); }
   // Where near_moments(t, d) holds: a series in d, of which term n obeys the recurrence of Hermite's
   // polynomials.
-  auto near(const T& t, const T& d, const T&) const { return d * (T(1) + T(2) * t) < T(single ? 0.6 : 0.15); }
+  auto is_near(const T& t, const T& d, const T&) const {
+    return d * (T(1) + T(2) * t) < T(single ? 0.6 : 0.15);
+  }
   near_integrals<T> near_moments(const T& t, const T& d) const {
     const T a = T(-2) * t * d, b = T(-2) * d * d;
     T before(0), term(1), mass(1), moment(0.5);

@@ -73,9 +73,10 @@ class bessel_k {
             return T(y + maximum(change, T(T(-0.5) * y)));
           });
       const T bounded = maximum(next, bessel::least_argument<T>());
-      const auto far = abs(bounded - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
+      const auto unsettled =
+          abs(bounded - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
       y = select(moving, bounded, y);
-      moving = moving & far;
+      moving = moving & unsettled;
       if (!some_lane(moving)) break;
     }
     return select(xi_argument == T(0), T(0), select(xi == T(1), infinite<T>(), y));

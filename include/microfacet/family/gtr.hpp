@@ -106,11 +106,11 @@ class gtr {
   // weight.
   static T log_mean_exp(const T& weight, const T& rest, const T& x, const T& phi) {
     const T change = weight * x * phi;
-    const auto lost = change<T(-0.5), huge = x> T(80);
+    const auto lost = change<T(-0.5), large = x> T(80);
     const T shrunk = log(rest + weight * exp(x)) / select(lost, x, T(1));
-    const T grown = T(1) + log(weight + rest * exp(-x)) / select(huge, x, T(1));
-    const T near = weight * phi * log1p_over(select(lost | huge, T(0), change));
-    return select(huge, grown, select(lost, shrunk, near));
+    const T grown = T(1) + log(weight + rest * exp(-x)) / select(large, x, T(1));
+    const T between = weight * phi * log1p_over(select(lost | large, T(0), change));
+    return select(large, grown, select(lost, shrunk, between));
   }
 
   static twofold<T> bounded(const twofold<T>& r2) {

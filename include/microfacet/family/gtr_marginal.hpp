@@ -74,27 +74,29 @@ class gtr_marginal {
 
   T excess() const {
     const T x = x_ / amplitude_, x2 = x * x;
-    const T sum = integral_of_survival([&](const T& near, const T& far, const T& rho2, const T& rho2_far) {
-      const T d = x2 + rho2, d_far = x2 + rho2_far;
-      return (near * sqrt(rho2) * d_far + far * sqrt(rho2_far) * d) / (d * d_far);
-    });
+    const T sum =
+        integral_of_survival([&](const T& nearer, const T& farther, const T& rho2, const T& rho2_far) {
+          const T d = x2 + rho2, d_far = x2 + rho2_far;
+          return (nearer * sqrt(rho2) * d_far + farther * sqrt(rho2_far) * d) / (d * d_far);
+        });
     return maximum(T(sum / amplitude_ - x_ * pole()), T(0));
   }
   T sf() const {
     const T x = x_ / amplitude_, x2 = x * x;
-    const T sum = integral_of_survival([&](const T& near, const T& far, const T& rho2, const T& rho2_far) {
-      const T rho = sqrt(rho2), rho_far = sqrt(rho2_far), d = rho * (x2 + rho2),
-              d_far = rho_far * (x2 + rho2_far);
-      return (near * d_far + far * d) / (d * d_far);
-    });
+    const T sum =
+        integral_of_survival([&](const T& nearer, const T& farther, const T& rho2, const T& rho2_far) {
+          const T rho = sqrt(rho2), rho_far = sqrt(rho2_far), d = rho * (x2 + rho2),
+                  d_far = rho_far * (x2 + rho2_far);
+          return (nearer * d_far + farther * d) / (d * d_far);
+        });
     return sum * x / square(amplitude_) + pole();
   }
   T density() const {
     const T sum = integral([&](const nodes& n) {
       const T fallen = all_ * (T(1) + n.growth), rho = sqrt(n.rho2), rho_far = sqrt(n.rho2_far);
-      const T near = select(rising_, n.inverse_growth, fallen),
-              far = select(rising_, fallen, n.inverse_growth);
-      return (near * rho_far + far * rho) / (rho * rho_far);
+      const T nearer = select(rising_, n.inverse_growth, fallen),
+              farther = select(rising_, fallen, n.inverse_growth);
+      return (nearer * rho_far + farther * rho) / (rho * rho_far);
     });
     return fall_ * sum * part_ * whole_over_span_ / (T(pi) * amplitude_ * scale_);
   }
@@ -113,8 +115,8 @@ class gtr_marginal {
   template <class Function>
   T integral(const Function& f) const {
     const T base = T(1) - omitted_;
-    const auto pair = [&](const T& near, const T&) {
-      const T b = expm1(length_ * near), growth = expm1(height_ * near), b_far = growth_of_length_ - b;
+    const auto pair = [&](const T& nearer, const T&) {
+      const T b = expm1(length_ * nearer), growth = expm1(height_ * nearer), b_far = growth_of_length_ - b;
       const T a = b_far + base * (T(1) + b), a_far = b + base;  // times (1 + b) omitted, and omitted
       const T grown = T(1) + growth, inverse = T(1) / (a * a_far * grown),
               inverse_a = inverse * (a_far * grown);
@@ -130,9 +132,9 @@ class gtr_marginal {
   template <class Function>
   T integral_of_survival(const Function& f) const {
     const T sum = integral([&](const nodes& n) {
-      const T near = (rest_of_all_ - all_ * n.growth) * select(rising_, n.inverse_growth, T(1));
-      const T far = n.growth * select(rising_, all_, n.inverse_growth);
-      return f(T(near * n.r * (T(1) + n.r)), T(far * n.r_far * (T(1) + n.r_far)), n.rho2, n.rho2_far);
+      const T nearer = (rest_of_all_ - all_ * n.growth) * select(rising_, n.inverse_growth, T(1));
+      const T farther = n.growth * select(rising_, all_, n.inverse_growth);
+      return f(T(nearer * n.r * (T(1) + n.r)), T(farther * n.r_far * (T(1) + n.r_far)), n.rho2, n.rho2_far);
     });
     return fall_ * length_ * sum / (T(2 * pi) * abs(g_) * scale_);
   }
@@ -144,8 +146,8 @@ class gtr_marginal {
                            : maximum(T(T(3.3) + T(0.48) * length_), T(T(3) + T(2) * turns));
     // The pole beyond the interval is the rule's error as long as survival does not grow too much up to
     // there; else it must not count.
-    const T far = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
-    return floor(maximum(pairs, select(decay > T(8), far, T(0)))) + T(1);
+    const T for_pole = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
+    return floor(maximum(pairs, select(decay > T(8), for_pole, T(0)))) + T(1);
   }
 
   // The rule's error due to the pole of both integrands at r = 0, where survival is 1.

@@ -109,17 +109,18 @@ class k0 {
     auto moving = y == y;  // a lane that has converged stays, so that its neighbours do not change it
     for (int i = 0; i < most; ++i) {
       const detail::k0_functions<T> at(y, T(y * y));
-      const auto near = y < T(0.5625);
+      const auto inner = y < T(0.5625);
       const T slope = T(2) * y * at.density();
-      const T within = choose(near, [&] { return at.within(); }, [&] { return T(T(1) - at.beyond()); });
-      const T beyond = choose(near, [&] { return T(T(1) - at.within()); }, [&] { return at.beyond(); });
+      const T within = choose(inner, [&] { return at.within(); }, [&] { return T(T(1) - at.beyond()); });
+      const T beyond = choose(inner, [&] { return T(T(1) - at.within()); }, [&] { return at.beyond(); });
       const T left = (target - log(within)) * within / (y * slope);
       const T right = (log(beyond) - target) * beyond / slope;
       const T next = select(lower, T(y * exp(minimum(maximum(left, T(-30)), T(1)))),
                             T(y + maximum(right, T(T(-0.5) * y))));
-      const auto far = abs(next - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
+      const auto unsettled =
+          abs(next - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
       y = select(moving, next, y);
-      moving = moving & far;
+      moving = moving & unsettled;
       if (!some_lane(moving)) break;
     }
     const auto tiny = (xi_argument < xi) & (xi_argument > T(0));

@@ -23,7 +23,7 @@ namespace microfacet {
 // The largest relative errors, measured on the tables themselves, near 1 and beyond exp(20) (float) or
 // exp(50).
 struct radial_error {
-  double near = 0, far = 0;
+  double error = 0, far_error = 0;
 };
 
 template <class T>
@@ -46,15 +46,17 @@ class radial_tables {
 
   radial_error error(unsigned functions) const {
     radial_error e;
-    each(functions,
-         [&e](const table& t) { e.near = std::max(e.near, t.error), e.far = std::max(e.far, t.far_error); });
+    each(functions, [&e](const table& t) {
+      e.error = (std::max)(e.error, t.error), e.far_error = (std::max)(e.far_error, t.far_error);
+    });
     return e;
   }
   // Whether these functions keep the accuracy contract with a margin.
   bool good(unsigned functions) const {
     const radial_error e = error(functions);
-    if (functions & of_visible) return e.near < 1e-3;  // samples keep their own account
-    return e.near <= (single ? 1.8e-6 : 8e-14) && e.far <= (single ? 2.5e-5 : 8e-13);
+    if (functions & of_visible) return e.error < 1e-3;  // samples keep their own account
+    return elementary::is_number(e.error + e.far_error) && e.error <= (single ? 1.8e-6 : 8e-14) &&
+           e.far_error <= (single ? 2.5e-5 : 8e-13);
   }
 
  private:
@@ -139,7 +141,7 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   using R = typename Family::scalar;
   // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
   constexpr double least = single ? -87 : -700, slope_end = single ? 20 : 40, square_end = 2 * slope_end;
-  constexpr double tiny = std::numeric_limits<T>::min(), tiny_root = single ? 1e-22 : 1e-153;
+  constexpr double tiny = (std::numeric_limits<T>::min)(), tiny_root = single ? 1e-22 : 1e-153;
   constexpr double central = single ? 20 : 50;
   // Smaller odds than exp(-680) leave the inversion no digits.
   constexpr double least_odds = single ? least : -680;

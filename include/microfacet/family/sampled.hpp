@@ -53,7 +53,7 @@ class sampled : detail::sampled_panels {
   double survival(const twofold<double>& r2) const {
     const double r = std::sqrt(r2.high);
     if (known_) return survival_(twofold<double>(r));
-    return r == 0 ? 1 : std::min(2 * pi * norm_inverse_ * mass_above(std::log(r)), 1.0);
+    return r == 0 ? 1 : (std::min)(2 * pi * norm_inverse_ * mass_above(std::log(r)), 1.0);
   }
   // Newton's method in log r on the logarithm of the smaller tail, between bounds.
   double radius_of_odds(double odds) const {
@@ -76,8 +76,8 @@ class sampled : detail::sampled_panels {
 
   double P2(const slope<double>& t) const { return marginal<0>(std::abs(t.value.high)); }
   double slope_sf(const slope<double>& t) const {
-    return symmetric_sf(t,
-                        [this](const slope<double>& x) { return std::min(marginal<1>(x.value.high), 0.5); });
+    return symmetric_sf(
+        t, [this](const slope<double>& x) { return (std::min)(marginal<1>(x.value.high), 0.5); });
   }
   double slope_excess(const slope<double>& t) const { return marginal<2>(t.value.high); }
 
@@ -91,14 +91,14 @@ class sampled : detail::sampled_panels {
     double y = 0, sum = 0;
     const auto advance = [&](double end, std::size_t panel) {
       while (y < end) {
-        const double next = std::min(end, y + std::min(1 + 0.5 * y, 3.0));
-        sum += near<Which>(t, start, y, next, panel);
+        const double next = (std::min)(end, y + (std::min)(1 + 0.5 * y, 3.0));
+        sum += direct<Which>(t, start, y, next, panel);
         y = next;
       }
     };
     std::size_t i = 0;
     if (start >= begin_) {
-      i = std::min(panel_of(start), panels_);
+      i = (std::min)(panel_of(start), panels_);
     } else {
       advance(angle(begin_ - start), outside);
     }
@@ -122,7 +122,7 @@ class sampled : detail::sampled_panels {
   static constexpr std::size_t outside = most_panels;
 
   template <int Which>
-  double near(double t, double start, double from, double to, std::size_t panel) const {
+  double direct(double t, double start, double from, double to, std::size_t panel) const {
     double sum = 0;
     const double half = 0.5 * (to - from);
     values L, sinh, r;

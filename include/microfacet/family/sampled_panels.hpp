@@ -56,11 +56,11 @@ class sampled_panels {
   void add_panels() {
     panel_[0] = begin_;
     for (std::size_t i = 1; i < table::pieces && P22_.start[i] < largest<double>(); ++i) {
-      const double from = panel_[panels_], to = std::min(std::log(P22_.start[i]), end_);
+      const double from = panel_[panels_], to = (std::min)(std::log(P22_.start[i]), end_);
       if (!(to > from)) continue;
       const std::size_t first_panel = panels_;
       const double swing = std::abs(std::log(at(to) / at(from)) + 2 * (to - from));
-      const double parts = std::ceil(std::max(std::min(swing, 1e3) / 6, (to - from) / 2));
+      const double parts = std::ceil((std::max)((std::min)(swing, 1e3) / 6, (to - from) / 2));
       for (double k = 1; k <= parts && panels_ + 1 < most_panels; ++k)
         panel_[++panels_] = k == parts ? to : from + (to - from) * k / parts;
       std::fill(piece_.begin() + first_panel, piece_.begin() + panels_, i - 1);

@@ -32,7 +32,7 @@ struct sampled_tables {
   double error() const {
     double most = 0;
     for (const table* t : {&root_P22, &survival, &radius, &P2, &slope_sf, &slope_excess})
-      most = std::max(most, t->error);
+      most = (std::max)(most, t->error);
     return most;
   }
 };
@@ -78,7 +78,7 @@ void sampled_tables<T>::build(const Family& family) {
   // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
   constexpr bool single = sizeof(T) == 4;
   constexpr double least = single ? -87 : -700, slope_end = single ? 46 : 60, square_end = 2 * slope_end;
-  constexpr double tiny = std::numeric_limits<T>::min();
+  constexpr double tiny = (std::numeric_limits<T>::min)();
   const auto fill = [](table& t, const auto& function, const many_range& range) {
     const auto sample = [&](const double* L, double* f, std::size_t n) {
       for (std::size_t i = 0; i < n; ++i) f[i] = function(L[i]);

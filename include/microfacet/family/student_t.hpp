@@ -96,7 +96,7 @@ class student_t {
   }
   T inverse_tail() const { return T(1) / (T(2) * k_ - T(1)); }
   // Where near_moments(t, d) holds: a series in d, whose terms obey the differential equation of P2.
-  auto near(const T& t, const T& d, const T&) const {
+  auto is_near(const T& t, const T& d, const T&) const {
     constexpr double most = sizeof(typename scalar_traits<T>::real) == 4 ? 0.6 : 0.15;
     const T length2 = k_ + t * t, unit = (T(2) * k_ + T(1)) * d;
     return (t * unit < T(most) * length2) & (d * unit < T(most * most) * length2);

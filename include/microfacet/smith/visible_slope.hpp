@@ -45,10 +45,10 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T above = upper(at_start_, T(0));
     T under(0);
     if (some_lane(!below_)) {
-      const auto near = family_.near(start_, c_, at_start_.sf);
+      const auto nearby = family_.is_near(start_, c_, at_start_.sf);
       near_integrals<T> s{T(0), T(0)};
-      if (some_lane(near)) s = family_.near_moments(start_, c_);
-      const T all = lower(near, s, at_start_, c_);
+      if (some_lane(nearby)) s = family_.near_moments(start_, c_);
+      const T all = lower(nearby, s, at_start_, c_);
       under = select(below_, T(0), all);
     }
     const T whole = above + under, rest = T(1) - share;
@@ -90,9 +90,9 @@ class visible_slope_solver : visible_functions<Family, T> {
     return unless(below_, T(multiply_add(x_, p.sf, moment(p))),
                   [&] { return multiply_add(v, p.sf, excess(p)); });
   }
-  T lower(const Mask& near, const near_integrals<T>& s, const point& p, const T& d) const {
+  T lower(const Mask& nearby, const near_integrals<T>& s, const point& p, const T& d) const {
     const T general = (d * p.sf - excess(p)) + excess(at_x_) * exp(-fall(p, at_x_, d));
-    return select(near, T(d * s.mass - s.moment), general);
+    return select(nearby, T(d * s.mass - s.moment), general);
   }
 
   // Exact for x = 0, for small depths and in the tail.
@@ -125,14 +125,14 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T d = maximum(select(on_lower_, T(c_ - v), T(c_ + v)), least);
     // Close to its end each side is an integral over little, else the difference of two.
     const T origin = select(on_lower_, t, start_), distance = select(on_lower_, d, v);
-    const auto near = family_.near(origin, distance, select(on_lower_, p.sf, at_start_.sf));
+    const auto nearby = family_.is_near(origin, distance, select(on_lower_, p.sf, at_start_.sf));
     near_integrals<T> s{T(0), T(0)};
-    if (some_lane(near)) s = family_.near_moments(origin, distance);
-    const T N = unless(on_lower_, upper(p, v), [&] { return lower(near, s, p, d); });
+    if (some_lane(nearby)) s = family_.near_moments(origin, distance);
+    const T N = unless(on_lower_, upper(p, v), [&] { return lower(nearby, s, p, d); });
     const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
-    const auto small = near & !on_lower_;
-    const T r = select(small, T(0), T(depth_ - fall(at_start_, p, v))) +
-                log_sum(select(small, T(1), T(N / part_)), select(small, change, T(0)));
+    const auto from_start = nearby & !on_lower_;
+    const T r = select(from_start, T(0), T(depth_ - fall(at_start_, p, v))) +
+                log_sum(select(from_start, T(1), T(N / part_)), select(from_start, change, T(0)));
 
     const T per_d = N / d, twice = select(on_lower_, T(T(2) * per_d / d), T(0));
     const T newton =

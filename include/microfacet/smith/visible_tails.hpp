@@ -51,8 +51,8 @@ class visible_tails {
     if constexpr (requires { family_.visible(); }) {
       const T all(family_.visible().first_moment);
       const T odds = all / (moment * density(t)) * exp(minimum(depth, T(single ? 60 : 500))) - T(1);
-      const T far = family_.visible().moment_radius(twofold<T>(odds)) - t;
-      return select((odds > T(0.4)) & (far > T(0.1) * t), far, light);
+      const T outer = family_.visible().moment_radius(twofold<T>(odds)) - t;
+      return select((odds > T(0.4)) & (outer > T(0.1) * t), outer, light);
     } else {
       return select(t > T(0), light, maximum(light, survival_radius(depth)));
     }
@@ -60,7 +60,7 @@ class visible_tails {
   T inverse_tail() const { return T(0); }
 
   // By Gauss' rule, away from the cusp that a density may have at 0.
-  auto near(const T& t, const T& d, const T& sf) const { return (d < T(0.25) * sf) & (d < T(0.25) * t); }
+  auto is_near(const T& t, const T& d, const T& sf) const { return (d < T(0.25) * sf) & (d < T(0.25) * t); }
   near_integrals<T> near_moments(const T& t, const T& d) const {
     constexpr std::array<double, 4> node{0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
                                          0.93056815579702629},

@@ -76,10 +76,10 @@ struct ladder {
         lead(pow(y, mu) / sqrt(y)) {
     const auto distant = is_far(y);
     const start<T> first = choose(
-        distant, [&] { return far(mu, T(select(distant, y, T(1)))); },
+        distant, [&] { return start_outside(mu, T(select(distant, y, T(1)))); },
         [&] {
           const T inside = select(distant, T(0.25), y);
-          return near(mu, inside, T(select(distant, T(1), lead) * sqrt(inside)), gamma);
+          return start_inside(mu, inside, T(select(distant, T(1), lead) * sqrt(inside)), gamma);
         });
     at = first.at * lead, below = first.below * lead, above = first.above * lead;
   }

@@ -34,9 +34,9 @@ T complement(const T& a, const T& y, const neighbours<T>& k) {
     at = select(climbing, above, at), above = select(climbing, upper, above);
   }
   const T order = a + steps, scale = square(k.decay);
-  const auto small = y * y < order;
-  const T rest = complement_of_large_order(order, T(select(small, y, T(1))));
-  return select(small, T(scale * sum + rest), T(T(1) - scale * (a * k.at)));
+  const auto by_series = y * y < order;
+  const T rest = complement_of_large_order(order, T(select(by_series, y, T(1))));
+  return select(by_series, T(scale * sum + rest), T(T(1) - scale * (a * k.at)));
 }
 
 }  // namespace microfacet::bessel

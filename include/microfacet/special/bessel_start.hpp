@@ -36,7 +36,7 @@ T far_variable(const T& y) {
 // For y <= 1/4, from I_{+-mu} and I_{+-(mu+1)}, split into parts even and odd in mu (N. M. Temme, J. Comput.
 // Phys. 19, 1975); power = y^mu.
 template <class T>
-start<T> near(const T& mu, const T& y, const T& power, const reciprocal_gamma<T>& gamma) {
+start<T> start_inside(const T& mu, const T& y, const T& power, const reciprocal_gamma<T>& gamma) {
   using namespace coefficients;
   const T w = y * y, v = mu * mu, u = w - T(1.0 / 32);
   const T f_even =
@@ -47,9 +47,9 @@ start<T> near(const T& mu, const T& y, const T& power, const reciprocal_gamma<T>
   const T g_odd = polynomial(by_precision<T>(bessel_near_g_odd_32, bessel_near_g_odd_64), u, v);
   // sinh(mu log y)/mu and cosh(mu log y)
   const T log_y = log(y), x = mu * log_y, inverse = T(1) / power;
-  const auto small = abs(x) < T(0.5);
-  const T sinh = select(small, T(log_y * inverse * expm1_over(T(select(small, T(T(2) * x), T(0))))),
-                        T(T(0.5) * (power - inverse) / select(small, T(1), mu)));
+  const auto by_series = abs(x) < T(0.5);
+  const T sinh = select(by_series, T(log_y * inverse * expm1_over(T(select(by_series, T(T(2) * x), T(0))))),
+                        T(T(0.5) * (power - inverse) / select(by_series, T(1), mu)));
   const T cosh = T(0.5) * (power + inverse);
   const T common = w * (g_even * sinh + g_odd * cosh);
   // Gamma(1 + mu) Gamma(1 - mu) = pi mu/sin(pi mu)
@@ -60,7 +60,7 @@ start<T> near(const T& mu, const T& y, const T& power, const reciprocal_gamma<T>
 
 // For y >= 1/4, from K_mu and its derivative.
 template <class T>
-start<T> far(const T& mu, const T& y) {
+start<T> start_outside(const T& mu, const T& y) {
   using namespace coefficients;
   const T t = far_variable(y), v = mu * mu;
   const T at = polynomial(by_precision<T>(bessel_far_32, bessel_far_64), t, v);

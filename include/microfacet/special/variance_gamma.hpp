@@ -72,19 +72,20 @@ struct inverse_gammas {
 // adds, from rungs times gamma.at/4.
 template <class T>
 struct sf {
-  static T far(const T& t, const T& mu, const inverse_gammas<T>& gamma) {
+  static T outer(const T& t, const T& mu, const inverse_gammas<T>& gamma) {
     using namespace coefficients;
     return T(sqrt_pi) * gamma.at *
            polynomial(by_precision<T>(variance_gamma_tail_32, variance_gamma_tail_64), t, mu);
   }
   // 1/2 less the closed form t (K_mu L_{mu-1} + L_mu K_{mu-1})(2t), mu = a - 1/2, with modified Struve
   // functions L (DLMF 10.43.2), in which every term is positive.
-  static T near(const T& a, const T& t, const bessel::ladder<T>& k, const inverse_gammas<T>& gamma,
-                const T& decay) {
-    const auto small = a <= T(0.125);
+  static T inner(const T& a, const T& t, const bessel::ladder<T>& k, const inverse_gammas<T>& gamma,
+                 const T& decay) {
+    const auto of_small_order = a <= T(0.125);
     const T half = T(0.5) / square(decay);
     return choose(
-        small, [&] { return T(2) * half * tail_of_small_order(T(select(small, a, T(0.125))), t); },
+        of_small_order,
+        [&] { return T(2) * half * tail_of_small_order(T(select(of_small_order, a, T(0.125))), t); },
         [&] {
           const T w = t * t, third = w * T(1 / 1.5);
           const T lower = a + third * centre_series(w, T(a + T(1)));
@@ -96,15 +97,15 @@ struct sf {
 };
 template <class T>
 struct excess {
-  static T far(const T& t, const T& mu, const inverse_gammas<T>& gamma) {
+  static T outer(const T& t, const T& mu, const inverse_gammas<T>& gamma) {
     using namespace coefficients;
     const auto& table = by_precision<T>(variance_gamma_excess_32, variance_gamma_excess_64);
     return T(sqrt_pi) * gamma.at * polynomial(table, t, mu);
   }
   // int_t^inf y P2(y) dy less t Pr(slope > t).
-  static T near(const T& a, const T& t, const bessel::ladder<T>& k, const inverse_gammas<T>& gamma,
-                const T& decay) {
-    return maximum(T(T(0.5) * gamma.at * k.above - t * sf<T>::near(a, t, k, gamma, decay)), T(0));
+  static T inner(const T& a, const T& t, const bessel::ladder<T>& k, const inverse_gammas<T>& gamma,
+                 const T& decay) {
+    return maximum(T(T(0.5) * gamma.at * k.above - t * sf<T>::inner(a, t, k, gamma, decay)), T(0));
   }
   static T added(const T&, const T&, const T& above, double) { return above; }
 };
@@ -118,11 +119,11 @@ T climbing(const T& a, const twofold<T>& t) {
   T sum = choose(
       distant,
       [&] {
-        return T(k.lead * Tail<T>::far(bessel::far_variable(T(select(distant, k.y, T(1)))), k.mu, gamma));
+        return T(k.lead * Tail<T>::outer(bessel::far_variable(T(select(distant, k.y, T(1)))), k.mu, gamma));
       },
       [&] {
         const T inside = select(distant, T(0.25), k.y);
-        return Tail<T>::near(first, inside, k, gamma, T(exp(-inside)));
+        return Tail<T>::inner(first, inside, k, gamma, T(exp(-inside)));
       });
   T factorial(1);  // Gamma(a)/Gamma(first)/steps!
   k.scale(T(0.25) * gamma.at);
