@@ -140,6 +140,7 @@ def public_functions() -> dict[str, Callable[[], Any]]:
     slopes = np.random.default_rng(1).normal(size=(400, 2)) * 0.2
     calls: dict[str, Callable[[], Any]] = {
         "families": mf.families,
+        "get_cmake_dir": mf.get_cmake_dir,
         "get_include": mf.get_include,
         "bake": lambda: mf.bake("energy", "ggx", alpha=1.0, cos_theta=2),
         "sample_terrain": mf.sample_terrain,

@@ -90,6 +90,7 @@ __all__ = [
     "fresnel_average",
     "fresnel_conductor",
     "fresnel_dielectric",
+    "get_cmake_dir",
     "get_include",
     "ggx",
     "gtr",
@@ -155,6 +156,34 @@ def get_include() -> str:
     here = Path(__file__).parent
     installed = here / "include"
     return str(installed if installed.is_dir() else here.parent.parent / "include")
+
+
+def get_cmake_dir() -> str:
+    """The folder of the CMake package, for ``find_package(microfacet)`` with ``-Dmicrofacet_DIR=...``.
+
+    Returns
+    -------
+    str
+        The folder that has ``microfacet-config.cmake``.
+
+    Raises
+    ------
+    FileNotFoundError
+        If microfacet runs from a source tree: installing it makes the CMake package.
+
+    Examples
+    --------
+    >>> import pathlib
+    >>> import microfacet as mf
+    >>> pathlib.Path(mf.get_cmake_dir(), "microfacet-config.cmake").exists()
+    True
+    """
+    folder = Path(__file__).parent / "share" / "cmake" / "microfacet"
+    if not folder.is_dir():
+        raise FileNotFoundError(
+            f"there is no CMake package at {folder}: only an installed microfacet has one"
+        )
+    return str(folder)
 
 
 def _version() -> str:

@@ -24,6 +24,7 @@ from microfacet._console.gallery import gallery
 from microfacet._console.program import (
     Program,
     families_option,
+    folder_option,
     json_option,
     parameter_options,
     progress,
@@ -43,6 +44,8 @@ Parameters = dict[str, float]
     cls=Program, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]}
 )
 @click.version_option(mf.__version__, prog_name="microfacet")
+@folder_option("--include-dir", mf.get_include, "Print the folder of the C++ headers.")
+@folder_option("--cmake-dir", mf.get_cmake_dir, "Print the folder of the CMake package.")
 @click.pass_context
 def main(ctx: click.Context) -> None:
     """Microfacet normal distribution functions: evaluate, sample, fit, verify, report.

@@ -23,6 +23,7 @@ __all__ = [
     "Program",
     "axes_options",
     "families_option",
+    "folder_option",
     "json_option",
     "parameter_options",
     "progress",
@@ -127,6 +128,17 @@ def say(message: str) -> None:
 def _fail(message: str) -> NoReturn:
     say(message)
     sys.exit(2)
+
+
+def folder_option(name: str, ask: Callable[[], str], what: str) -> Callable[[Command], Command]:
+    """A flag that prints a folder and ends the program."""
+
+    def show(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
+        if asked:
+            click.echo(ask())
+            ctx.exit()
+
+    return click.option(name, is_flag=True, is_eager=True, expose_value=False, callback=show, help=what)
 
 
 def parameter_options(command: Command) -> Command:
