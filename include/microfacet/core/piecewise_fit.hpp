@@ -182,7 +182,7 @@ class piecewise_fit {
       const double got = root ? table_.of_root(high) : table_(twofold<T>(high, low));
       const double error = std::abs(got / f[k] - 1);
       double& most = std::abs(std::log(f[k])) > range_.central ? table_.far_error : table_.error;
-      if (!(elementary::is_number(error) && error <= most)) most = error;
+      most = elementary::is_number(error) ? (std::max)(most, error) : largest<double>();
     }
   }
 
