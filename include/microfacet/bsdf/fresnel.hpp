@@ -29,7 +29,7 @@ T scale_of_index(const T& largest) {
 // homogeneous in (eta, 1): both are scaled down where eta is huge.
 template <class T>
 fresnel_split<T> fresnel_dielectric(const T& cosine, const T& eta) {
-  const T c = minimum(abs(cosine), T(1)), index = where((eta > T(0)) & is_below_infinity(eta), eta);
+  const T c = minimum(abs(cosine), T(1)), index = where((eta > T(0)) & (eta <= largest<T>()), eta);
   const twofold<T> excess = exact_product(index, index) + twofold<T>(T(-1)),
                    sum = excess + exact_product(c, c);
   const T inside = sum.high + sum.low, root = sqrt(maximum(inside, T(0)));  // eta cos behind the interface
@@ -54,8 +54,8 @@ fresnel_split<T> fresnel_dielectric(const T& cosine, const T& eta) {
 template <class T>
 T fresnel_conductor(const T& cosine, const T& eta_argument, const T& k_argument) {
   const T c = minimum(abs(cosine), T(1)), c2 = c * c, s2 = (T(1) - c) * (T(1) + c);
-  const T eta = where((eta_argument > T(0)) & is_below_infinity(eta_argument), eta_argument);
-  const T k = where((k_argument >= T(0)) & is_below_infinity(k_argument), k_argument);
+  const T eta = where((eta_argument > T(0)) & (eta_argument <= largest<T>()), eta_argument);
+  const T k = where((k_argument >= T(0)) & (k_argument <= largest<T>()), k_argument);
   const twofold<T> excess = exact_product(eta, eta) + -exact_product(k, k) + twofold<T>(T(-1));
   const twofold<T> inside = excess + exact_product(c, c);
   const T difference = inside.high + inside.low, e = excess.high + excess.low, twice = T(2) * eta * k;

@@ -82,7 +82,8 @@ class scattering_pair {
       const auto above = wo_.z > T(0);
       const T part = select(above, mirrors, lenses) / maximum(density, smallest<T>());
       const T sure = select((above & !passed) | ((wo_.z < T(0)) & passed), T(1), T(0));
-      weight = weight * select((density > smallest<T>()) & is_below_infinity(density), part, sure);
+      const auto some = density > smallest<T>(), finite = density <= largest<T>();
+      weight = weight * select(some & finite, part, sure);
       weight = select(material_.eta() == T(1), T(T(1) + T(0) * wi_.z), weight);
     } else {
       weight = weight * material_.reflectance(dot(wi_, m));

@@ -116,7 +116,7 @@ MICROFACET_INLINE logarithm<R> log(const R& x, const R& low) {
   const reduced_logarithm<R> l = reduce_log(x, low);
   const R tail = rounded(R(l.e - multiply_add(l.n, R(-f::ln2_low), l.less))), head = l.n * R(f::ln2_high);
   const R sum = rounded(R(head + tail));
-  const R value = select(is_below_infinity(x), sum, x);
+  const R value = select(x <= largest<R>(), sum, x);
   const R below = select(x < R(0), nan<R>(), R(-infinite<R>()));
   return {select(x < smallest<R>(), below, value), rounded(R(tail - rounded(R(sum - head))))};
 }
@@ -128,7 +128,7 @@ template <class R>
 MICROFACET_INLINE R log1p(const R& x) {
   const R one_more = rounded(R(R(1) + x)), t = rounded(R(one_more - R(1)));
   const R low = rounded(R(R(1) - rounded(R(one_more - t)))) + rounded(R(x - t));
-  const R value = elementary::log(one_more, R(select(is_below_infinity(x), low, R(0)))).high;
+  const R value = elementary::log(one_more, R(select(x <= largest<R>(), low, R(0)))).high;
   return select(abs(x) < R(0x1p-60), x, value);  // the least numbers lose their halves
 }
 

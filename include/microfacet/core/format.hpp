@@ -111,7 +111,7 @@ auto is_number(const R& x) {
 #endif
 }
 
-inline bool is_positive_number(double x) { return is_number(x) && x > 0 && is_below_infinity(x); }
+inline bool is_positive_number(double x) { return is_number(x) && x > 0 && x <= largest<double>(); }
 
 // The power of two at or below a positive x, by which a multiplication is exact; 1 for a scalar without bits.
 template <class R>

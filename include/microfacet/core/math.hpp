@@ -94,23 +94,16 @@ auto choose(const Mask& mask, const Taken& taken, const Other& other) {
 // x as it is rounded, where the rounding is part of the result: no flag lets a compiler see through it. Of
 // packs every operation is so.
 template <class T>
-MICROFACET_INLINE T rounded(const T& x) {
-  if constexpr (std::is_floating_point_v<T>) {
-    return MICROFACET_ROUNDED(x);
-  } else {
-    return x;
-  }
+MICROFACET_INLINE T rounded(T x) {
+  if constexpr (std::is_floating_point_v<T>) MICROFACET_HOLD(x);
+  return x;
 }
 
-// Infinity by overflow, and whether x is below it: under -ffinite-math-only compilers take what is written as
-// infinity for something that never occurs.
+// Infinity by overflow: under -ffinite-math-only compilers take what is written as infinity for something
+// that never occurs. So x <= largest<T>() stands for x < inf.
 template <class T>
 MICROFACET_INLINE T infinite() {
   return rounded(T(T(2) * largest<T>()));
-}
-template <class T>
-MICROFACET_INLINE auto is_below_infinity(const T& x) {
-  return x <= largest<T>();
 }
 
 template <class T>

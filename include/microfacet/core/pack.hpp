@@ -23,7 +23,7 @@ struct pack {
   using lane = T;
   using integers = pack<integer_of<T>, Bytes, K>;
   typedef T vector __attribute__((vector_size(Bytes)));
-  vector v[K];
+  vector v[static_cast<std::size_t>(K)];
 
   pack() = default;
   template <class A>

@@ -178,8 +178,8 @@ class piecewise_fit {
       const double x = elementary::exp(root ? 0.5 * at[k] : at[k]);
       const T high = static_cast<T>(x), low = static_cast<T>(x - static_cast<double>(high));
       if (high < (root ? (std::numeric_limits<T>::min)() : table_.lower)) continue;
-      if (f[k] < 4 * (std::numeric_limits<T>::min)()) continue;
-      const double got = root ? table_.of_root(high) : table_(twofold<T>(high, low));
+      if (f[k] < 4 * static_cast<double>((std::numeric_limits<T>::min)())) continue;
+      const auto got = static_cast<double>(root ? table_.of_root(high) : table_(twofold<T>(high, low)));
       const double error = std::abs(got / f[k] - 1);
       double& most = std::abs(std::log(f[k])) > range_.central ? table_.far_error : table_.error;
       most = elementary::is_number(error) ? (std::max)(most, error) : largest<double>();

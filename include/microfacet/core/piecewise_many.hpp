@@ -127,7 +127,7 @@ class many_pieces_fit {
     // Far from 1 the rounding of an exponent is larger.
     const double allowed = error * (1 + 0.002 * square(std::log(p.reference))) + rounding * most;
     p.excess = (std::max)(rest / allowed, most / swing);
-    if (!is_below_infinity(p.excess)) p.excess = 1e30;
+    if (!(p.excess <= largest<double>())) p.excess = 1e30;
     return p;
   }
 

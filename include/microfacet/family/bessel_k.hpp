@@ -36,7 +36,7 @@ class bessel_k {
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   static bool sampling_fits_float32(double a) { return a >= 0.5; }
 
-  explicit bessel_k(const T& a) : a_(where((a > T(0)) & is_below_infinity(a), a)) {}
+  explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a <= largest<T>()), a)) {}
 
   T nothing() const { return T(0) * a_; }
   T P22(const twofold<T>& r2) const { return density(sqrt(r2), T(1)); }

@@ -35,8 +35,8 @@ class gtr {
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
 
   gtr(const T& alpha, const T& gamma)
-      : alpha_(where((alpha > T(0)) & is_below_infinity(alpha), alpha)),
-        gamma_(where((gamma > T(0)) & is_below_infinity(gamma), gamma)) {
+      : alpha_(where((alpha > T(0)) & (alpha <= largest<T>()), alpha)),
+        gamma_(where((gamma > T(0)) & (gamma <= largest<T>()), gamma)) {
     a2_ = alpha_ * alpha_;
     const auto narrow = alpha_ <= T(1);
     const T difference = (T(1) - alpha_) * (T(1) + alpha_);  // 1 - alpha^2

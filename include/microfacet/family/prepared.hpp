@@ -94,7 +94,7 @@ class prepared {
   // a/b, given 1/b.high; an infinite quotient is alone.
   MICROFACET_INLINE static twofold<R> ratio(const twofold<R>& a, const twofold<R>& b, const R& reciprocal) {
     const R q = a.high * reciprocal, rest = multiply_add(-q, b.high, a.high) + multiply_add(-q, b.low, a.low);
-    return {q, select(is_below_infinity(q), R(rest * reciprocal), R(0))};
+    return {q, select(q <= largest<R>(), R(rest * reciprocal), R(0))};
   }
 
   const tables* t_;

@@ -57,7 +57,7 @@ class sampled : detail::sampled_panels {
   }
   // Newton's method in log r on the logarithm of the smaller tail, between bounds.
   double radius_of_odds(double odds) const {
-    if (!(odds > 0 && is_below_infinity(odds))) return odds == 0 ? 0 : odds;
+    if (!(odds > 0 && odds <= largest<double>())) return odds == 0 ? 0 : odds;
     const bool lower = odds <= 1;
     const double target = std::log((lower ? odds : 1) / (1 + odds) * norm_ / (2 * pi));
     double least = begin_ - 800, most = end_ + 800, L = median_;

@@ -97,7 +97,7 @@ void sampled_tables<T>::build(const Family& family) {
   fill(P2, [&](double L) { return family.P2(std::exp(L)); }, {least, least, slope_end, family.P2(0.0), tiny});
   fill(slope_sf, [&](double L) { return family.slope_sf(std::exp(L)); },
        {least, least, slope_end, 0.5, tiny});
-  if (const double mean = family.slope_excess(0.0); is_below_infinity(mean)) {
+  if (const double mean = family.slope_excess(0.0); mean <= largest<double>()) {
     fill(slope_excess, [&](double L) { return family.slope_excess(std::exp(0.5 * L)); },
          {least, least, square_end, mean, tiny});
   } else {

@@ -30,12 +30,13 @@ class student_t {
   static constexpr std::string_view name = "student_t";
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};
   static constexpr std::array<std::string_view, 2> sources{"ribardiere2017std", "deon2020hitchhiker"};
+  static constexpr double least_gamma = parameters[0].density_lower;
   static constexpr bool shape_invariant = true;
   static constexpr bool native_float32 = true;
   static constexpr unsigned costly = of_slope_sf | of_slope_excess;
 
   explicit student_t(const T& gamma)
-      : k_(where((gamma > T(parameters[0].density_lower)) & is_below_infinity(gamma), T(gamma - T(1)))),
+      : k_(where((gamma > T(least_gamma)) & (gamma <= largest<T>()), T(gamma - T(1)))),
         norm_(gamma_half_step(k_) / T(sqrt_pi)),
         inverse_k_(quotient(twofold<T>(T(1)), twofold<T>(k_))) {}
 

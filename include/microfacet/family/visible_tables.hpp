@@ -98,7 +98,7 @@ visible_table<float> excess_radius_table(const Family& family) {
     in_lanes<typename Family::scalar>(L, f, n, [&](const auto& x) { return samples.excess_radius(x); });
   };
   const auto up_to = [&](double upper) {
-    const fit_range range{-87, upper, 0, 0, (std::numeric_limits<float>::min)(), 20};
+    const fit_range range{-87, upper, 0, 0, static_cast<double>((std::numeric_limits<float>::min)()), 20};
     return piecewise_fit<visible_table<float>>(sample, range)();
   };
   // Of very heavy tails J ends where slopes do; it goes on as a power.
@@ -146,7 +146,7 @@ class visible_tables {
       range.upper = 60;
       fill(t, function, range);
     };
-    constexpr double tiny = (std::numeric_limits<T>::min)(), central = single ? 20 : 50,
+    constexpr double tiny = static_cast<double>((std::numeric_limits<T>::min)()), central = single ? 20 : 50,
                      least = single ? -87 : -700;
     // Near 0 the inverses of differences have the digits of float32 alone.
     const double peak = samples.inverse_peak(), smallest = single ? 1e-6 : 0.02;

@@ -16,7 +16,7 @@ namespace microfacet {
 // than a T has.
 template <class T>
 twofold<T> valid_alpha(const twofold<T>& alpha) {
-  return {where((alpha.high > T(0)) & is_below_infinity(alpha.high), alpha.high), alpha.low};
+  return {where((alpha.high > T(0)) & (alpha.high <= largest<T>()), alpha.high), alpha.low};
 }
 
 // sqrt(p^2 + q^2) without the squares' under- and overflow.

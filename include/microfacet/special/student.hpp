@@ -40,7 +40,7 @@ struct arguments {
   }
 
  private:
-  static constexpr double q_end = by_precision<T>(2.0F, 3.75);
+  static constexpr double q_end = by_precision<T>(2.0, 3.75);
 };
 
 // From `rest` at K down the ten terms, b_j = (k + order + j)/K; `unit` stands for 1, `product` times the b_j
