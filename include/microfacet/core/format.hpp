@@ -14,8 +14,9 @@ namespace microfacet {
 
 namespace elementary {
 
+// A long double is none: like any other scalar it goes the way without bits.
 template <class R>
-inline constexpr bool has_lanes = std::is_floating_point_v<R>;
+inline constexpr bool has_lanes = std::is_same_v<R, float> || std::is_same_v<R, double>;
 
 template <class R>
 struct integers_of {
@@ -62,7 +63,9 @@ struct integers_of<pack<T, B, K>> {
 
 // The numbers that depend on the format of a lane.
 template <class Real>
-struct format_of_lane;
+struct format_of_lane {
+  static_assert(sizeof(Real) == 0, "samples are drawn in float or double, or in packs of them");
+};
 template <>
 struct format_of_lane<float> {
   static constexpr int mantissa = 23;

@@ -95,7 +95,7 @@ auto choose(const Mask& mask, const Taken& taken, const Other& other) {
 // packs every operation is so.
 template <class T>
 MICROFACET_INLINE T rounded(T x) {
-  if constexpr (std::is_floating_point_v<T>) MICROFACET_HOLD(x);
+  if constexpr (std::is_same_v<T, float> || std::is_same_v<T, double>) MICROFACET_HOLD(x);
   return x;
 }
 
