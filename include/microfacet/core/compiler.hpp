@@ -15,14 +15,15 @@
 #define MICROFACET_INLINE inline
 #endif
 
-// x, and nothing is regrouped across it: -ffast-math, -Ofast and -fassociative-math let a compiler turn
-// (a + b) - a into b. Without them it is nothing at all. MICROFACET_HOLD(x) does so to a variable that is one
-// number: GCC loses the other barrier where it turns a loop into vectors, which an asm prevents.
+// -ffast-math, -Ofast and -fassociative-math let a compiler turn (a + b) - a into b. MICROFACET_HOLD(x)
+// leaves the variable x, a number, as it is, and nothing is regrouped across it; MICROFACET_HOLD_LANES(x)
+// does so to a vector. Without such flags both are nothing at all. On x86 Clang has a word for it. GCC has
+// one that it forgets where it turns a loop over numbers into vectors, which an asm prevents. GCC before 12,
+// and Clang on other processors, tell only of -ffast-math and -Ofast, not of -fassociative-math alone.
 #if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
-#define MICROFACET_ROUNDED(x) __arithmetic_fence(x)
-#define MICROFACET_HOLD(x) (x = __arithmetic_fence(x))
-#elif defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 && defined(__ASSOCIATIVE_MATH__)
-#define MICROFACET_ROUNDED(x) __builtin_assoc_barrier(x)
+#define MICROFACET_HOLD(x) static_cast<void>(x = __arithmetic_fence(x))
+#define MICROFACET_HOLD_LANES(x) MICROFACET_HOLD(x)
+#elif defined(__ASSOCIATIVE_MATH__) || (defined(__FAST_MATH__) && __GNUC__ < 12)
 #if defined(__x86_64__) || defined(__i386__)
 #define MICROFACET_HOLD(x) asm("" : "+x"(x))
 #elif defined(__aarch64__)
@@ -30,13 +31,14 @@
 #else
 #define MICROFACET_HOLD(x) asm("" : "+m"(x))
 #endif
-#elif defined(__ASSOCIATIVE_MATH__) || (defined(__clang__) && defined(__FAST_MATH__))
-#error \
-    "microfacet: this compiler has no barrier against -fassociative-math (part of -ffast-math and -Ofast); \
-add -fno-associative-math behind it, or use g++ 12 or newer, or clang++ on x86"
+#if __GNUC__ >= 12
+#define MICROFACET_HOLD_LANES(x) static_cast<void>(x = __builtin_assoc_barrier(x))
 #else
-#define MICROFACET_ROUNDED(x) (x)
+#define MICROFACET_HOLD_LANES(x) asm("" : "+m"(x))
+#endif
+#else
 #define MICROFACET_HOLD(x) static_cast<void>(x)
+#define MICROFACET_HOLD_LANES(x) static_cast<void>(x)
 #endif
 
 // Results with more digits than their type has are as wrong as regrouped ones.

@@ -45,11 +45,9 @@ struct pack {
       typename std::conditional_t<std::is_integral_v<T>, std::make_unsigned<T>, std::type_identity<T>>::type;
   typedef modular_lane modular __attribute__((vector_size(Bytes)));
   MICROFACET_INLINE static vector rounded_lanes(const modular& a) {
-    if constexpr (std::is_floating_point_v<T>) {
-      return MICROFACET_ROUNDED(a);
-    } else {
-      return std::bit_cast<vector>(a);
-    }
+    vector lanes = std::bit_cast<vector>(a);
+    if constexpr (std::is_floating_point_v<T>) MICROFACET_HOLD_LANES(lanes);
+    return lanes;
   }
 #define MICROFACET_ARITHMETIC(OP)                                                             \
   MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) {                   \
