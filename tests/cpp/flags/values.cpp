@@ -266,12 +266,11 @@ void own() {
 
 int main() {
   closed<double>(), prepared<float>();
-  loops<double>(), loops<float>();
+  own(), loops<double>(), loops<float>();
 #if !defined(FEW_VALUES)
   closed<float>(), prepared<double>();
   materials<double>(), materials<float>();
   walks<double>(), walks<float>();
-  own();
 #if MICROFACET_VECTOR_EXTENSIONS
   closed<mf::pack<float, 16>>();
   prepared<mf::pack<float, 16>>();
