@@ -22,11 +22,12 @@ class ndf {
   // Slopes. P22 is D of a normal with z^4 = area.
   T P22(const T& p, const T& q) const {
     const twofold<T> h2 = shape_.unit_slope2(p, q);
-    const auto by_square = [&] { return T(family_.D(shape_.unit(), h2) * shape_.unit_density()); };
+    const auto by_square = [&] { return T(rounded(family_.D(shape_.unit(), h2)) * shape_.unit_density()); };
     if constexpr (requires { family_.P22_of_slope(p); }) {
       const auto by_slope = [&] {
         const T unit2 = square(shape_.unit());
-        return T(family_.P22_of_slope(shape_.length(p, q)) * (shape_.unit_density() / unit2 / unit2));
+        return T(rounded(family_.P22_of_slope(shape_.length(p, q))) *
+                 rounded(T(rounded(T(shape_.unit_density() / unit2)) / unit2)));
       };
       return choose(h2.high < T(0x1p40) * smallest<T>(), by_slope, by_square);
     } else {
@@ -38,7 +39,7 @@ class ndf {
     if constexpr (requires { family_.P2(t, p); }) {  // times a factor that lifts what underflows alone
       return family_.P2(t, shape_.inverse_along_x());
     } else {
-      return family_.P2(t) * shape_.inverse_along_x();
+      return rounded(family_.P2(t)) * shape_.inverse_along_x();
     }
   }
   T slope_cdf(const T& p) const { return family_.slope_sf(-shape_.standard(p)); }
@@ -76,7 +77,7 @@ class ndf {
   // Slopes are homogeneous in the normal. Below the horizon D means nothing, but a nan stays one.
   template <class Direction>
   T density(const Direction& m) const {
-    const T value = family_.D(T(m.z * shape_.unit()), shape_.unit_slope2(m)) * shape_.unit_density();
+    const T value = rounded(family_.D(T(m.z * shape_.unit()), shape_.unit_slope2(m))) * shape_.unit_density();
     const T nothing = T(0) * shape_.unit_density() + family_.nothing();
     return select(m.z > T(0), value, multiply_add(m.z, nothing, nothing));
   }

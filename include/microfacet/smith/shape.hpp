@@ -76,7 +76,7 @@ class isotropic_shape {
         unit2_(square(unit_) * inverse2_) {}
 
   T unit() const { return unit_; }
-  T unit_density() const { return square(unit_) * unit2_.high; }
+  T unit_density() const { return rounded(T(square(unit_) * unit2_.high)); }
   twofold<T> unit_slope2(const T& p, const T& q) const { return squared_length(p, q) * unit2_; }
   twofold<T> unit_slope2(const vec3<T>& m) const { return squared_length(m.x, m.y) * unit2_; }
   twofold<T> unit_slope2(const cosine<T>& m) const { return m.sine2 * unit2_; }
@@ -116,7 +116,9 @@ class anisotropic_shape {
         inverse_(reciprocal(along_x_)) {}
 
   T unit() const { return unit_; }
-  T unit_density() const { return square(unit_) / alpha_x_.high * (square(unit_) / alpha_y_.high); }
+  T unit_density() const {
+    return rounded(T(square(unit_) / alpha_x_.high)) * rounded(T(square(unit_) / alpha_y_.high));
+  }
   twofold<T> unit_slope2(const T& p, const T& q) const { return weighed(p, q, unit_x2_, unit_y2_); }
   twofold<T> unit_slope2(const vec3<T>& m) const { return unit_slope2(m.x, m.y); }
   T length(const T& p, const T& q) const {
