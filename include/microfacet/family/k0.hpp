@@ -92,7 +92,7 @@ class k0 {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
     const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
-    const twofold<T> finite(minimum(r2.high, T(1e30)), r2.low);  // a fast square root of infinity may be nan
+    const twofold<T> finite(minimum(r2.high, T(1e30)), r2.low);  // a fast root of infinity may be nan
     const T once = rounded(T(detail::k0_functions<T>(finite).template density<60>() * reciprocal));
     const T value = once * (reciprocal * T(0x1p-60 / pi));
     return select(r2.high == T(0), infinite<T>(), value);

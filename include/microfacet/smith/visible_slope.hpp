@@ -111,8 +111,8 @@ class visible_slope_solver : visible_functions<Family, T> {
       const T less = minimum(t1, by_angle), more = maximum(maximum(t1, by_angle), smallest<T>());
       const T blend = less / (T(1) + T(0.19) * square(square(T(less / more))));
       // At its end the probability is P2(x) (x - v)^2/2.
-      const T growth = exp(minimum(T(fall(at_start_, at_x_, abs(x_)) - depth_), T(40)));  // stays finite
-      const T end = x_ - sqrt(T(2) * part_ * growth);
+      const T square_end = T(2) * part_ * exp(fall(at_start_, at_x_, abs(x_)) - depth_);
+      const T end = x_ - sqrt(minimum(square_end, largest<T>()));  // a fast root of infinity may be nan
       return select(end > T(0.5) * x_, end, blend);
     };
     return unless(on_lower_, above, under);
