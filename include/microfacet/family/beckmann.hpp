@@ -45,7 +45,7 @@ class beckmann {
   T survival(const twofold<T>& r2) const { return exp(-r2); }
   T radius2(const T& xi) const { return -log1p(-xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<60>(-t.squared) * (T(0x1p-60 / sqrt_pi) * factor);
+    return exp<60>(-t.squared) * rounded(T(T(0x1p-60 / sqrt_pi) * factor));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(

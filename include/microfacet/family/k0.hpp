@@ -130,7 +130,7 @@ class k0 {
         [&] { return T(select(xi_argument == T(0), T(0), y)); });
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<60>(T(-2) * abs(t.value)) * (T(0x1p-60) * factor);
+    return exp<60>(T(-2) * abs(t.value)) * rounded(T(T(0x1p-60) * factor));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [](const slope<T>& x) { return T(0.5) * exp(T(-2) * x.value); });

@@ -59,7 +59,7 @@ class student_t {
     return sqrt((T(0) - depth) * expm1_over(growth)) * exp(T(-0.5) * growth);
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return power<60>(t.squared, T(k_ + T(0.5))) * (norm_ * T(0x1p-60) * factor);
+    return power<60>(t.squared, T(k_ + T(0.5))) * rounded(T(norm_ * T(0x1p-60) * factor));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& x) {
