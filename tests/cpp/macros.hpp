@@ -1,5 +1,5 @@
-// Names that system headers define as macros, for headers that must not use them. Function-like ones (min, max)
-// bite where a parenthesis follows. The standard library comes first: it does use some.
+// Names that system headers define as macros, for headers that must not use them. Function-like ones (min,
+// max) bite where a parenthesis follows. The standard library comes first: it does use some.
 #pragma once
 
 #include <algorithm>

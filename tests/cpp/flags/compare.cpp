@@ -39,7 +39,7 @@ allowed of(const line& l) {
   for (const char* part : {" eval ", " pdf ", " weight "})
     if (has(l.name, part)) return {single ? 2e-4 : 1e-10, 1e-20};
   const bool far = std::abs(std::log(std::abs(l.value))) > (single ? 20 : 50);
-  return {single ? (far ? 1e-4 : 8e-6) : (far ? 2e-12 : 2e-13), single ? 1e-33 : 1e-300};
+  return {single ? (far ? 1e-4 : 8e-6) : (far ? 2e-12 : 2e-13), single ? 1e-30 : 1e-300};
 }
 
 }  // namespace
