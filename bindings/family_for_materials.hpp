@@ -72,7 +72,7 @@ struct kernels_for_materials {
       }
     };
     if constexpr (family::costly != 0) {
-      const auto tables = prepared_tables<Model, Real>(numbers.data(), of_all | of_visible);
+      const auto tables = prepared_tables<Model, Real>(numbers.data(), visible_sample::needs);
       if (tables != nullptr) {
         const auto one = prepared_distribution<Model, lanes<Real>>(*tables, numbers);
         const auto two = prepared_distribution<Model, lanes<Real, most_registers>>(*tables, numbers);

@@ -93,13 +93,16 @@ ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& s
   return {family, shape};
 }
 
+// No variable of a function: its first call would hold a lock of the compiler's, which a fork copies.
+template <class Tag, class Real, std::size_t Parameters>
+inline prepared_cache<Real, Parameters> cache_of;
+
 // The tables of a density, for as long as someone uses them; none where the parameters lie outside the domain
 // or the tables miss the accuracy contract.
 template <class Tag, class Real>
 std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameters, unsigned functions) {
   using family = typename Tag::template type<double>;
   constexpr std::size_t own = family::parameters.size(), count = own + (family::shape_invariant ? 0 : 1);
-  static prepared_cache<Real, count> cache;
   std::array<double, count> key;
   for (std::size_t i = 0; i < count; ++i) {
     const bool scale = i + own < count;
@@ -108,7 +111,7 @@ std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameter
     const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
     if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;
   }
-  return cache.get(key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
+  return cache_of<Tag, Real, count>.get(key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
     const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
       tables.build(typename Tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
     };

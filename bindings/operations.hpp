@@ -66,7 +66,7 @@ struct normal_sample {
 #define MICROFACET_VISIBLE(TYPE, NAME, FUNCTION, UNIFORMS, ...)                        \
   struct TYPE {                                                                        \
     static constexpr const char* name = NAME;                                          \
-    static constexpr unsigned needs = of_all | of_visible;                             \
+    static constexpr unsigned needs = (of_all & ~of_survival) | of_visible;            \
     static constexpr bool samples_visible = true;                                      \
     static constexpr std::size_t uniforms = UNIFORMS;                                  \
     static constexpr layout<3 + UNIFORMS, 3> shape{};                                  \

@@ -67,13 +67,12 @@ struct policy {
   static constexpr bool computes_in = std::is_same_v<Real, double> || family::native_float32;
 
   // Tables pay where all that the operation needs of the density is costly, as float32 is for a family that
-  // computes in double: none stands for a short closed form. Without closed forms visible normals are drawn
-  // from tables alone.
+  // computes in double: none stands for a short closed form. Visible normals without closed forms are drawn
+  // from tables wherever there are any.
   template <class Real>
   static constexpr bool prepares =
       family::costly != 0 &&
       (samples_visible ? !in_closed_form : (Operation::needs & ~family::costly) == 0 || !computes_in<Real>);
-  static constexpr bool from_tables_alone = searches || (samples_visible && prepares<double>);
   // With closed forms, in float32 composing from tables is faster than solving.
   static constexpr bool composes = requires { Operation::composes; } && in_closed_form && family::costly != 0;
 };
@@ -94,7 +93,7 @@ template <class Model, class Operation, bool Varying, class Real>
 constexpr kernel_set<Real> kernels_of() {
   using p = policy<Model, Operation>;
   kernel_set<Real> k;
-  if constexpr (!p::from_tables_alone && p::template computes_in<Real>) {
+  if constexpr (!p::searches && p::template computes_in<Real>) {
     using own = decltype(constant_distribution<Model, lanes<Real>>({}));
     if constexpr (Model::family::costly == 0 && !p::iterates) {
       k.constant = &evaluate_flat<Operation, lanes<Real>, own>;

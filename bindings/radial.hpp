@@ -5,13 +5,12 @@
 #include <array>
 #include <cstring>
 #include <memory>
-#include <mutex>
-#include <new>
 #include <string_view>
 #include <unordered_map>
 
 #include "microfacet/family/sampled.hpp"
 #include "microfacet/family/sampled_tables.hpp"
+#include "fork_safe_lock.hpp"
 #include "operations.hpp"
 
 namespace microfacet::bindings {
@@ -23,31 +22,27 @@ struct radial_entry {
 
 class radial_registry {
  public:
-  static radial_registry& instance() {
-    static radial_registry one;
-    return one;
-  }
   double add(std::shared_ptr<const radial_entry> entry) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const locked lock(shared_lock);
     entries_.emplace(++last_, std::move(entry));
     return static_cast<double>(last_);
   }
   void remove(double handle) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const locked lock(shared_lock);
     entries_.erase(static_cast<long long>(handle));
   }
   std::shared_ptr<const radial_entry> find(double handle) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const locked lock(shared_lock);
     const auto found =
         handle > 0 && handle < 0x1p53 ? entries_.find(static_cast<long long>(handle)) : entries_.end();
     return found == entries_.end() ? nullptr : found->second;
   }
 
  private:
-  std::mutex mutex_;
   std::unordered_map<long long, std::shared_ptr<const radial_entry>> entries_;
   long long last_ = 0;
 };
+inline radial_registry registry;
 
 // What a handle that names nothing gives.
 template <class T>
@@ -77,7 +72,7 @@ struct radial_tag {
   using table_density = sampled_view<Lanes>;
   template <class Real>
   static std::shared_ptr<const sampled_tables<Real>> tables(double handle) {
-    const auto entry = radial_registry::instance().find(handle);
+    const auto entry = registry.find(handle);
     if (entry == nullptr) return nullptr;
     if constexpr (sizeof(Real) == 4) {
       return {entry, &entry->narrow};
@@ -129,11 +124,10 @@ inline auto python_function(PyObject* function) {
 // (capsule, handle): the entry lives as long as the capsule.
 inline PyObject* registered(std::shared_ptr<radial_entry> entry) {
   entry->narrow.build(sampled_view<double>(entry->wide));
-  auto handle = std::make_unique<double>();
-  *handle = radial_registry::instance().add(std::move(entry));
-  PyObject* capsule = PyCapsule_New(handle.get(), "microfacet.radial", [](PyObject* c) {
+  auto* handle = new double(registry.add(std::move(entry)));
+  PyObject* capsule = PyCapsule_New(handle, "microfacet.radial", [](PyObject* c) {
     auto* named = static_cast<double*>(PyCapsule_GetPointer(c, "microfacet.radial"));
-    radial_registry::instance().remove(*named);
+    registry.remove(*named);
     delete named;
   });
   if (capsule == nullptr) {
@@ -165,7 +159,7 @@ inline constexpr std::array<char, 16> radial_magic{"microfacet rad1"};
 inline PyObject* dump_radial(PyObject*, PyObject* handle) {
   const double number = PyFloat_AsDouble(handle);
   if (PyErr_Occurred() != nullptr) return nullptr;
-  const auto entry = radial_registry::instance().find(number);
+  const auto entry = registry.find(number);
   if (entry == nullptr) return PyErr_Format(PyExc_ValueError, "no density has this handle");
   PyObject* bytes = PyBytes_FromStringAndSize(nullptr, radial_magic.size() + sizeof entry->wide);
   if (bytes == nullptr) return nullptr;

@@ -116,9 +116,9 @@ struct ufunc_loops {
       while (last < n && left(last)) ++last;
       if (last == first) continue;
       const arguments at = shifted(op, args, steps, first);
-      if (op.wide.table != nullptr)
-        run_prepared<double, float>(op, at.data(), steps, last - first);
-      else
+      const bool drawn =
+          op.wide.table != nullptr && run_prepared<double, float>(op, at.data(), steps, last - first);
+      if (!drawn && op.wide.constant != nullptr)
         run<double, float>(op, at.data(), steps, last - first, true);
     }
   }
@@ -171,10 +171,7 @@ struct ufunc_loops {
     if (std::is_same_v<T, float> && op.single.table != nullptr && serves_float32(op, args, steps) &&
         run_prepared<float, T>(op, args, steps, n))
       return true;
-    if (op.wide.table != nullptr && run_prepared<double, T>(op, args, steps, n)) return true;
-    // Of extreme parameters tables in double have too few pieces: those in float32 are better than nothing.
-    return alone && op.single.table != nullptr && fits_float32(op, args, steps, 0) &&
-           run_prepared<float, T>(op, args, steps, n);
+    return op.wide.table != nullptr && run_prepared<double, T>(op, args, steps, n);
   }
 
   template <class T>

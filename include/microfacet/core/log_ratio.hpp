@@ -35,13 +35,17 @@ MICROFACET_INLINE R log_ratio(const R& x, const R& low, const R& centre) {
   using elementary::from_bits;
   if constexpr (sizeof(real) == 4) {
     // log(1 + e) = e + e^2 (e Q(e) - 1/2), without the division, for which a float32 is too short.
-    const integers shifted = bits(x) - integers(f::sqrt_half);
+    using elementary::wrapping_difference;
+    using elementary::wrapping_sum;
+    const integers shifted = wrapping_difference(integers(bits(x)), integers(f::sqrt_half));
     const integers exponent = shifted & integers(~((integer_of<real>(1) << f::mantissa) - 1));
-    const R power = from_bits(integers(integers(elementary::bits(real(1))) - exponent), x);
-    const R shifted_n =
-        from_bits(integers((shifted >> f::mantissa) + integers(elementary::bits(real(f::round)))), x);
-    const R n = rounded(R(shifted_n - R(f::round)));
-    const R e = multiply_add(low, power, rounded(R(from_bits(integers(bits(x) - exponent), x) - R(1))));
+    const R power = from_bits(wrapping_difference(integers(elementary::bits(real(1))), exponent), x);
+    const R n = from_bits(wrapping_sum(integers(shifted >> f::mantissa),
+                                       integers(elementary::bits(real(f::round)))),
+                          x) -
+                R(f::round);
+    const R e = multiply_add(
+        low, power, R(from_bits(wrapping_difference(integers(bits(x)), exponent), x) - R(1)));
     const auto q = [](std::size_t k) { return R(coefficients::log_polynomial_32[k]); };
     const R bend = multiply_add(interleaved<coefficients::log_polynomial_32.size()>(q, e), e, R(-0.5));
     const R rest = multiply_add(R(e * e), bend, R(R(f::ln2_low) * n));

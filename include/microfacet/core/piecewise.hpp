@@ -50,6 +50,14 @@ struct piecewise {
   double error = largest<double>(),
          far_error = error;  // largest relative errors found, near f = 1 and far from it
 
+  // nan everywhere: a function that could not be met.
+  static piecewise nothing() {
+    piecewise none;
+    none.twice_value.fill(nan<T>());
+    none.at_zero = nan<T>();
+    return none;
+  }
+
   // factor f(x), where the factor is large if f(x) underflows. What the leading bits of 0, inf and nan give
   // is finite, or left out.
   template <class R>
@@ -87,8 +95,10 @@ struct piecewise {
            (few ? most_pieces / 2 - 1 : most_pieces - 1);
   }
   T start(std::ptrdiff_t cell) const {
-    return std::bit_cast<T>(static_cast<bits_type>(
-        base + static_cast<bits_type>(cell) * (bits_type(1) << (cell < 0 ? shift + coarser : shift))));
+    // What leaves the format wraps round.
+    using word = std::make_unsigned_t<bits_type>;
+    const word width = word(1) << (cell < 0 ? shift + coarser : shift);
+    return std::bit_cast<T>(static_cast<word>(static_cast<word>(base) + static_cast<word>(cell) * width));
   }
 
  private:
@@ -110,7 +120,7 @@ struct piecewise {
     using integers = elementary::integers<R>;
     using elementary::bits;
     constexpr int number = bits_of_number(Few) == 4 ? 2 : 3, word = (sizeof(T) == 4 ? 5 : 6) - number;
-    const integers fine = bits(minimum(x, R(last))) - integers(base),
+    const integers fine = elementary::wrapping_difference(integers(bits(minimum(x, R(last)))), integers(base)),
                    k = larger(fine, integers(fine >> coarser));
     const integers at = integers(k >> (shift - number)) & integers(((1 << word) - 1) << number);
     return shift_right(lookup<words>(map, integers(k >> (shift + word))), at);
@@ -138,7 +148,8 @@ struct piecewise {
     const R r = multiply_add(n, R(-std::numbers::ln2), t);
     const R excess = multiply_add(
         R(r * r), interleaved<format::exp.size()>([](std::size_t k) { return R(format::exp[k]); }, r), r);
-    const R power = from_bits(integers((bits(shifted) << format::mantissa) + integers(format::half)), t);
+    const R power = from_bits(
+        elementary::wrapping_sum(integers(bits(shifted) << format::mantissa), integers(format::half)), t);
     const R scale = lookup<pieces<Few>>(twice_value, i) * factor * power;
     return multiply_add(scale, excess, scale);
   }

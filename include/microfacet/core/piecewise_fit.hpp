@@ -33,15 +33,19 @@ class piecewise_fit {
   using polynomial = interpolant<T, Table::terms + 1>;
   static constexpr std::size_t nodes = Table::terms + 1;
   static constexpr double tolerated = 6;  // excess, which may be rounding, of a piece of one cell
+  static constexpr int most_fits = 700;  // functions that can be met take half of that
 
  public:
   piecewise_fit(const sampled_function& sample, const fit_range& range) : sample_(sample), range_(range) {}
 
-  // What does not reach the precision wanted with the pieces there are has an infinite error.
+  // What does not reach the precision wanted with the pieces there are is nan, with an infinite error.
   Table operator()() {
     constexpr int octave = std::numeric_limits<T>::digits - 1;
     const double lowest = range_.roots ? 2 * range_.lower : range_.lower;
     const auto in_range = [this](double, double f) { return f >= range_.least && f <= most(); };
+    double middle;
+    sample_(&range_.inside, &middle, 1);
+    if (!in_range(range_.inside, middle)) return Table::nothing();
     low_ = reach(sample_, range_.inside, lowest, in_range);
     high_ = reach(sample_, range_.inside, range_.upper, in_range);
     goes_on_ = high_ >= range_.upper;
@@ -50,11 +54,12 @@ class piecewise_fit {
       for (int shift = octave - 2; shift <= octave + 1; ++shift) {
         if (!pieces(few, shift)) continue;
         table_.error = table_.far_error = 0;
-        for (std::size_t i = 0; i < count_; ++i) measure(i);
-        return table_;
+        std::size_t measured = 0;
+        for (std::size_t i = 0; i < count_; ++i) measured += measure(i);
+        return measured > 0 ? table_ : Table::nothing();
       }
     }
-    return table_;
+    return Table::nothing();
   }
 
  private:
@@ -81,8 +86,8 @@ class piecewise_fit {
       if (!accept(polynomial::fit(sample_, low_, range_.lower, range_.central))) return false;
       from = range_.lower;
     }
-    table_.lower = (std::max)(static_cast<T>(std::exp(from)), (std::numeric_limits<T>::min)());
-    for (std::ptrdiff_t cell = first_cell(from, coarse); cell < below;) {
+    table_.lower = std::max(static_cast<T>(std::exp(from)), std::numeric_limits<T>::min());
+    for (std::ptrdiff_t cell = first_cell(from, coarse, below); cell < below;) {
       const std::size_t number = count_;
       const std::ptrdiff_t n = widest(cell, below, from);
       if (n == 0 || !accept(met_)) return false;
@@ -100,10 +105,10 @@ class piecewise_fit {
   }
   std::size_t pieces_at_most() const { return table_.few ? Table::most_pieces / 2 : Table::most_pieces; }
   double edge(std::ptrdiff_t cell) const { return std::log(static_cast<double>(table_.start(cell))); }
-  // The cell in which exp(from) lies: the first whose end lies beyond.
-  std::ptrdiff_t first_cell(double from, std::ptrdiff_t coarse) const {
+  // The cell in which exp(from) lies: the first whose end lies beyond, or `end`.
+  std::ptrdiff_t first_cell(double from, std::ptrdiff_t coarse, std::ptrdiff_t end) const {
     std::ptrdiff_t cell = -coarse;
-    while (!(table_.start(cell + 1) > 0) || edge(cell + 1) <= from + 1e-3) ++cell;
+    while (cell < end && (!(table_.start(cell + 1) > 0) || edge(cell + 1) <= from + 1e-3)) ++cell;
     return cell;
   }
 
@@ -112,7 +117,8 @@ class piecewise_fit {
   std::ptrdiff_t widest(std::ptrdiff_t cell, std::ptrdiff_t end, double from) {
     const std::ptrdiff_t most = end - cell;
     std::ptrdiff_t met = 0, failed = most + 1, n = std::clamp<std::ptrdiff_t>(guess_, 1, most);
-    while (n > met && n < failed) {
+    while (n > met && n < failed && fits_ < most_fits) {
+      ++fits_;
       const polynomial now = polynomial::fit(sample_, from, edge(cell + n), range_.central);
       const double excess = (std::max)(now.excess, now.wide), width = 2 * now.half;
       const double growth = 0.97 * std::pow((std::max)(excess, 1e-30), -1.0 / nodes);
@@ -166,9 +172,10 @@ class piecewise_fit {
     if (at[1] > at[0]) power_ = std::log(f[1] / f[0]) / (at[1] - at[0]);
   }
 
-  // The table as it is used, half way between the nodes.
-  void measure(std::size_t i) {
+  // The table as it is used, half way between the nodes; how many values were compared.
+  std::size_t measure(std::size_t i) {
     constexpr std::size_t points = nodes / 2;
+    std::size_t measured = 0;
     const bool root = range_.roots && i == 0;
     std::array<double, points> at, f;
     for (std::size_t k = 0; k < points; ++k)
@@ -182,8 +189,10 @@ class piecewise_fit {
       const auto got = static_cast<double>(root ? table_.of_root(high) : table_(twofold<T>(high, low)));
       const double error = std::abs(got / f[k] - 1);
       double& most = std::abs(std::log(f[k])) > range_.central ? table_.far_error : table_.error;
-      most = elementary::is_number(error) ? (std::max)(most, error) : largest<double>();
+      if (!(error <= most)) most = error;
+      ++measured;
     }
+    return measured;
   }
 
   sampled_function sample_;
@@ -195,6 +204,7 @@ class piecewise_fit {
   bool goes_on_ = false;
   std::size_t count_ = 0;
   std::ptrdiff_t guess_ = 1;
+  int fits_ = 0;
 };
 
 }  // namespace microfacet

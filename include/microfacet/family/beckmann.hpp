@@ -20,6 +20,12 @@
 
 namespace microfacet {
 
+namespace detail {
+// Made when a program that draws from it starts, so that no thread waits for another's first call.
+template <class Family>
+inline const visible_table<float> beckmann_excess_radius = excess_radius_table(Family());
+}  // namespace detail
+
 template <class T>
 class beckmann {
  public:
@@ -101,8 +107,7 @@ class beckmann {
   T excess_radius(const T& v) const
     requires(elementary::has_lanes<T> && single)
   {
-    static const auto table = detail::excess_radius_table(beckmann<double>());
-    return table(twofold<T>(v));
+    return detail::beckmann_excess_radius<beckmann<double>>(twofold<T>(v));
   }
   T moment_beyond(const T& t, const T& xi) const { return sqrt(t * t - log1p(-xi)); }
   T across_of_tables(const T&, const T& xi, const T&) const { return across_by_quantile(xi); }

@@ -62,7 +62,7 @@ class visible_samples {
   }
   R marginal_radius(const R& L) const {
     const R target = -log(elementary::exp(L) + inverse_peak_), h(1e-4);
-    R y(0);
+    R y = log(R(2) * all_);
     auto moving = y == y;
     for (int i = 0; i < 80; ++i) {
       const R value = log(P2(elementary::exp(y))), slope = (value - log(P2(elementary::exp(R(y + h))))) / h;
@@ -131,7 +131,9 @@ class visible_tables {
     const detail::visible_samples<Family> samples(family);
     first_moment = static_cast<T>(samples.all()), inverse_P2 = static_cast<T>(samples.inverse_peak());
     falls = true;
-    for (double t = 1e-3; t < 1e3; t *= 1.2) falls = falls && samples.at(t) >= samples.at(1.2 * t);
+    // The mean length of a slope along an axis.
+    const double mean = 2 * samples.all();
+    for (double t = 1e-3; t < 1e3; t *= 1.2) falls = falls && samples.at(t * mean) >= samples.at(1.2 * t * mean);
     const auto fill = [&](table& t, const auto& function, const fit_range& range) {
       const auto sample = [&](const double* L, double* f, std::size_t n) {
         detail::in_lanes<R>(L, f, n, function);
@@ -150,11 +152,13 @@ class visible_tables {
                      least = single ? -87 : -700;
     // Near 0 the inverses of differences have the digits of float32 alone.
     const double peak = samples.inverse_peak(), smallest = single ? 1e-6 : 0.02;
-    const double from = std::log(peak > 1e-290 ? smallest * peak : 1 / samples.at(1e-8));
+    const double middle = std::log(1 / samples.at(mean) - peak);
+    const double from =
+        std::min(std::log(peak > 1e-290 ? smallest * peak : 1 / samples.at(1e-8 * mean)), middle - 1);
     fill_far(moment_radius, [&](const R& L) { return samples.moment_radius(L); },
              {single ? -14.0 : -1.0, 60, 1, 0, 1e-30, 50});
     fill_far(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); },
-             {from, 60, from + 2, 0, 1e-30, 50});
+             {from, 60, middle, 0, 1e-30 * mean, 50});
     if constexpr (single) {
       fill(moment, [&](const R& L) { return samples.moment(R(elementary::exp(L))); },
            {least, 20, least, samples.all(), tiny, central});

@@ -33,13 +33,15 @@ struct standard_direction {
     shape.to_standard(a, b);
     const T length2 = a * a + b * b, tiny = T(single ? 1e-36 : 1e-290);
     const auto vertical = length2 < tiny;
-    const T length = sqrt(select(vertical, T(1), length2)), most = T(single ? 1e9 : 1e15);
+    const T length = sqrt(select(vertical, T(1), length2));
+    // From far below the horizon only slopes beyond -x are seen.
+    const T most = T(single ? 1e9 : 1e15), deepest = T(single ? -1e18 : -1e150);
     cosine = select(vertical, T(1), a / length);
     sine = select(vertical, T(0), b / length);
     // Straight down nothing is seen.
     const T top = select(w.z > T(0), most, select(w.z > T(0), w.z, nan<T>()));
     const T x_argument = select(vertical, top, T(w.z / length));
-    x = select(x_argument > most, most, select(x_argument < -most, T(-most), x_argument));
+    x = select(x_argument > most, most, select(x_argument < deepest, deepest, x_argument));
   }
 };
 

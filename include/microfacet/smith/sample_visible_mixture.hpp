@@ -77,7 +77,10 @@ template <class Family, class T>
 visible_slopes<T> mix_visible_slopes(const Family& family, const T& x, const uniforms<T>& u) {
   const auto up = x > T(0);
   const T X = abs(x), c = select(up, x, T(0)), below = family.slope_excess(slope<T>(X));
-  const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
+  // From above, what tables do not reach is left out: none draws it.
+  constexpr double least = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-30 : 0;
+  const T seen = select(below > T(least), below, T(0));
+  const T share = select(up, T(seen / (c + seen)), T(1)), other = c / (c + below + smallest<T>());
   // At most the share, and positive.
   const auto first = u.xi[0] < share;
   const T part = maximum(T(select(first, u.xi[0], share) / maximum(share, smallest<T>())), smallest<T>());

@@ -65,10 +65,16 @@ class visible_slope_solver : visible_functions<Family, T> {
     auto moving = elementary::is_number(v) & (v >= T(0));
     v = select(moving, v, T(0));
     // A lane that has converged stays, so that its neighbours do not change it; so does one that has left the
-    // range of the family's functions.
-    for (int i = 0; i < 16; ++i) {
-      const T after = next(v),
-              moved = select(moving & elementary::is_number(after) & (after >= T(0)), after, v);
+    // range of the family's functions. Few steps are the rule; where log(probability) bends sharply the
+    // bounds that the residuals set bring the result near.
+    T least(0), most = select(on_lower_, c_, largest_slope<T>());
+    for (int i = 0; i < 40; ++i) {
+      const step s = next(v);
+      least = select(s.residual > T(0), v, least), most = select(s.residual < T(0), v, most);
+      const auto inside = (s.to >= least) & (s.to <= most);
+      const T middle = select(most > T(4) * least, T(sqrt(least) * sqrt(most)), T(T(0.5) * (least + most)));
+      const T after = select(inside | (least == T(0)), s.to, middle);
+      const T moved = select(moving & (s.residual == s.residual) & (after >= T(0)), after, v);
       // Convergence is quadratic at least.
       moving =
           moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * select(on_lower_, minimum(v, T(c_ - v)), v));
@@ -118,7 +124,11 @@ class visible_slope_solver : visible_functions<Family, T> {
     return unless(on_lower_, above, under);
   }
 
-  T next(const T& v) const {
+  // Where to go from v, and log(probability/target) there, which falls with v.
+  struct step {
+    T to, residual;
+  };
+  step next(const T& v) const {
     const T t = start_ + v;
     const point p = at(t);
     const T least = maximum(T(abs(x_) * T(single ? 0x1p-30 : 0x1p-60)), T(smallest<T>() * T(4096)));
@@ -138,10 +148,10 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T newton =
         r * N / minimum(maximum(T(T(1) + T(0.5) * r * (T(1) + log_slope(p) * per_d - twice)), T(0.5)), T(2));
     const T square_change = maximum(newton, T(T(-0.48) * d * d));
-    const T step = T(2) * square_change / (sqrt(d * d + T(2) * square_change) + d);
+    const T by_square = T(2) * square_change / (sqrt(d * d + T(2) * square_change) + d);
     const auto by_ratio = [&] { return T(d * relative_step(T(newton / (d * d)))); };
-    const T moved = v + unless(on_lower_, step, by_ratio);
-    return minimum(maximum(moved, T(T(0x1p-10) * v)), largest_slope<T>());
+    const T moved = v + unless(on_lower_, by_square, by_ratio);
+    return {minimum(maximum(moved, T(T(0x1p-10) * v)), largest_slope<T>()), r};
   }
   static T log_sum(const T& a, const T& b) {
     const twofold<T> sum = exact_sum(a, b);
@@ -176,11 +186,19 @@ T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2)
     return family.across_by_quantile(xi1);
   } else {
     const T valid = where((xi2 >= T(0)) & (xi2 < T(1)), xi2);
+    const auto by_length = [&] {
+      return T(family.across(along, T(-log1p(-xi1))) *
+               elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine);
+    };
     if constexpr (requires { family.lifts(); }) {
-      if (!family.lifts())
-        return select(valid < T(0.5), T(1), T(-1)) * family.across_by_integral(along, xi1) + (valid - valid);
+      const auto by_integral = [&] {
+        return T(select(valid < T(0.5), T(1), T(-1)) * family.across_by_integral(along, xi1) +
+                 (valid - valid));
+      };
+      return choose(family.lifts(), by_length, by_integral);
+    } else {
+      return by_length();
     }
-    return family.across(along, T(-log1p(-xi1))) * elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine;
   }
 }
 

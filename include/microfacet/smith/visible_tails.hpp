@@ -1,6 +1,6 @@
 // What smith/visible_slope.hpp asks of a family, from the functions of any radial family: quotients of tails
 // by the density of slopes along an axis, and inverses. Meant for prepared densities, whose functions cost
-// alike.
+// alike; a family itself takes their place where there are no tables of it that keep the contract.
 #pragma once
 
 #include <array>
@@ -13,6 +13,10 @@
 
 namespace microfacet {
 
+namespace detail {
+inline const gauss_legendre<24> rule_across;
+}
+
 template <class Family, class T>
 class visible_tails {
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
@@ -22,9 +26,13 @@ class visible_tails {
 
   // Smaller probabilities leave the range of P2.
   static T least_share() { return T(single ? 1e-30 : 1e-250); }
-  T density(const T& t) const { return maximum(family_.P2(slope<T>(off_zero(t))), smallest<T>()); }
-  T slope_sf(const T& t) const { return family_.slope_sf(slope<T>(off_zero(t))); }
-  T slope_excess(const T& t) const { return family_.slope_excess(slope<T>(off_zero(t))); }
+  T density(const T& t) const { return maximum(P2(off_zero(t)), smallest<T>()); }
+  T slope_sf(const T& t) const {
+    return called([&] { return family_.slope_sf(slope<T>(off_zero(t))); });
+  }
+  T slope_excess(const T& t) const {
+    return called([&] { return family_.slope_excess(slope<T>(off_zero(t))); });
+  }
   T sf_over_density(const T& t) const { return slope_sf(t) / density(t); }
   // Nearly: exact for an exponential, and far out for a power and a Gaussian.
   T log_slope(const T& t, const T& sf, const T& excess) const {
@@ -75,16 +83,19 @@ class visible_tails {
   }
 
   // Whether P2 is the marginal of a density in three dimensions, as `across` takes for granted.
-  bool lifts() const {
+  auto lifts() const {
     if constexpr (requires { family_.visible(); }) {
-      return family_.visible().falls;
+      const T falls(family_.visible().falls ? 1.0F : 0.0F);
+      return falls > T(0);
+    } else if constexpr (requires { family_.falls(); }) {
+      return family_.falls();
     } else {
-      return true;
+      return T(0) == T(0);
     }
   }
   // Otherwise: the slope across by the quantile of its size, |q| = scale tan(angle), from an integral.
   T across_by_integral(const T& along_argument, const T& xi) const {
-    static const gauss_legendre<24> rule;
+    const auto& rule = detail::rule_across;
     const T along = abs(along_argument), scale = along + sf_over_density(along);
     const auto part = [&](const T& angle) {
       const elementary::circle<T> at = elementary::cos_sin_of_turns(T(angle * T(0.25)));
@@ -118,22 +129,43 @@ class visible_tails {
       const T R = family_.visible().marginal_radius(twofold<T>(inverse));
       rest = select((R > T(1.2) * along) & (inverse > T(0.03) * start), T((R - along) * (R + along)), rest);
     }
-    // In the variable log(R^2 - along^2).
-    auto moving = elementary::is_number(rest) & (rest >= T(0));
-    for (int i = 0; i < 12; ++i) {
-      const T R = off_zero(sqrt(along * along + rest)), value = density(R),
-              r = log(density(along) / value) - depth;
+    // In the variable log(R^2 - along^2), between bounds.
+    const T start = density(along);
+    T least(0), most = square(largest_slope<T>());
+    auto moving = rest > T(0);
+    for (int i = 0; i < 40; ++i) {
+      const T R = off_zero(sqrt(along * along + rest)), value = density(R), r = log(start / value) - depth;
+      least = select(r < T(0), rest, least), most = select(r > T(0), rest, most);
       const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
       const T change = T(2) * R * r / maximum(T(slope * rest), smallest<T>());
-      const T moved = rest * exp(maximum(minimum(T(-change), T(2)), T(-2)));
-      rest = select(moving & elementary::is_number(moved) & (moved >= T(0)), moved, rest);
-      moving = moving & (abs(change) > T(single ? 1e-3 : 1e-9));
+      const T to = rest * exp(maximum(minimum(T(-change), T(4)), T(-4)));
+      const auto inside = (to >= least) & (to <= most);
+      const T moved = select(inside | (least == T(0)), to, T(sqrt(least) * sqrt(most)));
+      const auto far = abs(moved - rest) > T(single ? 1e-3 : 1e-9) * rest;
+      rest = select(moving & (moved >= T(0)), moved, rest);
+      moving = moving & far;
       if (!some_lane(moving)) break;
     }
     return sqrt(rest);
   }
 
  private:
+  T P2(const T& t) const {
+    return called([&] { return family_.P2(slope<T>(t)); });
+  }
+  // The functions of a family itself are long: calls.
+  template <class Function>
+  MICROFACET_INLINE static T called(const Function& function) {
+    if constexpr (requires(const Family f) { f.visible(); }) {
+      return function();
+    } else {
+      return call(function);
+    }
+  }
+  template <class Function>
+  [[gnu::noinline]] static T call(const Function& function) {
+    return function();
+  }
   static T off_zero(const T& t) { return maximum(t, T(single ? 1e-30 : 1e-200)); }
 
   const Family& family_;
