@@ -69,12 +69,14 @@ struct stretched_model {
   }
 };
 
-// Whether the scales leave float32 room for their squares and the reciprocals of these.
+// Whether the parameters leave float32 room for their squares, and scales for the reciprocals of these.
 template <class Model>
 bool fits_float32(const double* parameters, bool samples_visible) {
   using family = typename Model::family;
   for (std::size_t a = 0; a < Model::scales; ++a)
     if (parameters[a] < 1e-6 || parameters[a] > 1e6) return false;
+  for (std::size_t a = Model::count - family::parameters.size(); a < Model::count; ++a)
+    if (!(std::abs(parameters[a]) < 1e18)) return false;
   // Steep slopes of a heavy tail leave float32.
   if constexpr (requires { family::sampling_fits_float32(0.0); }) {
     if (samples_visible) return family::sampling_fits_float32(parameters[Model::first]);

@@ -43,7 +43,7 @@ struct piecewise {
   static constexpr int coarser = 6;
   std::array<bits_type, words> map{};
   bits_type base{};
-  int shift = 0;
+  int shift = std::numeric_limits<T>::digits - 1;
   bool few = true;
   T last{1};              // an x in the last cell: what lies beyond belongs to it
   T lower{1}, at_zero{};  // below `lower`, a normal number, f is at_zero
