@@ -5,6 +5,7 @@ PYTHON  ?= python3
 VENV    ?= .venv
 WORKERS ?= auto
 BUILD   ?= build
+FUZZ_SECONDS ?= 600
 ifeq ($(origin CXX),default)
   CXX := $(firstword $(foreach name,c++ g++ clang++,$(shell command -v $(name))))
 endif
@@ -51,6 +52,13 @@ sanitize: $(VENV)/.build  ## the C++ tests under the address and undefined-behav
 	$(CXX_TESTS) -B "$(CXX_BUILD)-sanitize" -DMICROFACET_SANITIZE=ON
 	cmake --build "$(CXX_BUILD)-sanitize"
 	ctest --test-dir "$(CXX_BUILD)-sanitize" --output-on-failure
+
+fuzz: $(VENV)/.build  ## each fuzzing harness for FUZZ_SECONDS (600); CXX=clang++ brings libFuzzer
+	$(CXX_TESTS) -B "$(CXX_BUILD)-sanitize" -DMICROFACET_SANITIZE=ON
+	cmake --build "$(CXX_BUILD)-sanitize" --target fuzz
+	for harness in "$(CXX_BUILD)"-sanitize/tests/cpp/fuzz_{bsdf,families,smith,tables}; do \
+	  mkdir -p "$$harness.corpus"; \
+	  "$$harness" -runs=-1 -max_total_time=$(FUZZ_SECONDS) -max_len=512 -timeout=60 "$$harness.corpus"; done
 
 lint: $(VENV)/.package $(VENV)/.lint  ## ruff, mypy --strict, clang-format: report only
 	$(BIN)/ruff check .
@@ -145,5 +153,5 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group lint
 	@touch $@
 
-.PHONY: report install test test-cpp sanitize headers lint format bench bench-check docs-accuracy docs-sampling \
+.PHONY: report install test test-cpp sanitize fuzz headers lint format bench bench-check docs-accuracy docs-sampling \
   docs-furnace docs-traced bench-materials fit-coverage bench-fit clean help

@@ -146,7 +146,7 @@ def test_rounding_at_the_seam_of_the_mixture() -> None:
 
 @pytest.mark.parametrize(("alpha", "gamma"), [(1e-4, 15.0), (1e-3, 50.0), (10.0, 20.0)])
 def test_extreme_gtr_has_visible_normals(alpha: float, gamma: float) -> None:
-    """Its tables in double precision have too few pieces; those in single precision serve."""
+    """Its tables in double precision have too few pieces; its own functions serve."""
     ndf, w = mf.GTR(alpha=alpha, gamma=gamma), towards(60)
     xi = np.random.default_rng(5).random((20_000, 3))
     m = ndf.sample_visible(w, xi)

@@ -138,3 +138,36 @@ TEST(tables_are_built_one_by_one) {
   tables.build(family, mf::of_P22);
   CHECK(tables.good(mf::of_P22 | mf::of_slope_excess));
 }
+
+// Whatever the parameters, a build ends; a table that could not be met says so, and is nan.
+TEST(tables_of_extreme_parameters) {
+  const auto check = [](const auto& family) {
+    static mf::radial_tables<double> wide;
+    static mf::radial_tables<float> narrow;
+    wide.build(family, mf::of_all | mf::of_visible), narrow.build(family, mf::of_all | mf::of_visible);
+    for (const auto* t : {&wide.root_D, &wide.survival, &wide.radius, &wide.root_P2, &wide.slope_sf,
+                          &wide.slope_excess, &wide.visible.moment_radius, &wide.visible.marginal_radius})
+      for (const double x : {1e-30, 1e-3, 1.0, 1e5})
+        CHECK(t->error < mf::inf || std::isnan((*t)(mf::twofold<double>(x))));
+  };
+  for (const double shape : {1e-300, 1e-3, 1e5, 1e100}) {
+    const check::note at("shape ", shape);
+    check(mf::bessel_k<double>(shape)), check(mf::student_t<double>(1.5 + shape));
+    for (const double alpha : {1e-160, 1e-10, 1e100}) check(mf::gtr<double>(alpha, shape));
+  }
+}
+
+TEST(a_table_of_nothing_is_not_good) {
+  static mf::radial_tables<double> tables;  // never built
+  CHECK(!tables.good(mf::of_P22) && !tables.good(mf::of_radius | mf::of_visible));
+  // The tables of the mixture in float32, where P2 has a cusp: of slopes that matter, not of the least ones.
+  static mf::radial_tables<float> narrow;
+  for (const double a : {0.5003, 0.5192, 0.55, 0.5966, 0.66}) {
+    const check::note at("a = ", a);
+    narrow.build(mf::bessel_k<double>(a), mf::of_all | mf::of_visible);
+    CHECK(narrow.good(mf::of_all) && narrow.visible.complete);
+    CHECK_NEAR(mf::bessel_k<double>(a).P2(static_cast<double>(
+                   narrow.visible.marginal_radius(mf::twofold<float>(1.0F)))),
+               1 / (1.0 + static_cast<double>(narrow.visible.inverse_P2)), 1e-5);
+  }
+}

@@ -158,7 +158,7 @@ class visible_tables {
     fill_far(moment_radius, [&](const R& L) { return samples.moment_radius(L); },
              {single ? -14.0 : -1.0, 60, 1, 0, 1e-30, 50});
     fill_far(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); },
-             {from, 60, middle, 0, 1e-30 * mean, 50});
+             {from, 60, middle, 0, 1e-9 * mean, 50});
     if constexpr (single) {
       fill(moment, [&](const R& L) { return samples.moment(R(elementary::exp(L))); },
            {least, 20, least, samples.all(), tiny, central});

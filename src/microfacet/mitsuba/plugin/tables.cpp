@@ -13,15 +13,18 @@ namespace {
 
 using tables = radial_tables<float>;
 
-void build(tables& t, const table_request& request, table_use use) {
+// The functions that it built.
+unsigned build(tables& t, const table_request& request, table_use use) {
   const bool all = use == table_use::all;
   const unsigned of_directions = of_P22 | of_slope_excess;
   const unsigned functions = all ? of_directions | of_radius | of_P2 | of_visible : of_directions;
-  if (request.family == "beckmann") t.build(beckmann<double>(), of_visible);
+  const auto with = [&](const auto& family, unsigned wanted) { return t.build(family, wanted), wanted; };
+  if (request.family == "beckmann") return with(beckmann<double>(), of_visible);
   if (request.family == "student_t")
-    t.build(student_t<double>(request.shape), all ? of_slope_excess | of_visible : of_slope_excess);
-  if (request.family == "gtr") t.build(gtr<double>(request.alpha, request.shape), functions);
-  if (request.family == "bessel_k") t.build(bessel_k<double>(request.shape), functions);
+    return with(student_t<double>(request.shape), all ? of_slope_excess | of_visible : of_slope_excess);
+  if (request.family == "gtr") return with(gtr<double>(request.alpha, request.shape), functions);
+  if (request.family == "bessel_k") return with(bessel_k<double>(request.shape), functions);
+  return 0;
 }
 
 void flatten(const tables::table& t, float* floats, std::int32_t* integers) {
@@ -43,9 +46,15 @@ void flatten(const tables::table& t, float* floats, std::int32_t* integers) {
 
 void flat_tables::append(const table_request& request, table_use use) {
   const auto t = std::make_unique<tables>();
-  build(*t, request, use);
+  const unsigned built = build(*t, request, use);
   const auto& v = t->visible;
-  if (use == table_use::all) samples = samples && v.falls && v.excess_radius.error < 1e-3;
+  if (use == table_use::all) {
+    samples = samples && v.falls && t->error(built).near < 1e-3 && v.excess_radius.error < 1e-3;
+    // The others where the family states no closed forms.
+    if (built & of_P2)
+      for (const tables::table* f : {&v.moment, &v.moment_radius, &v.marginal_radius})
+        samples = samples && f->error < 1e-3;
+  }
   const std::array<const tables::table*, table_functions> functions{
       &t->root_D, &t->radius,       &t->root_P2,        &t->slope_excess,
       &v.moment,  &v.moment_radius, &v.marginal_radius, &v.excess_radius};
