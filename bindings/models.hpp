@@ -113,12 +113,13 @@ std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameter
     const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
     if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;
   }
-  return cache_of<Tag, Real, count>.get(key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
-    const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
-      tables.build(typename Tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
-    };
-    build(std::make_index_sequence<count>());
-  });
+  return cache_of<Tag, Real, count>.get(
+      key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
+        const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
+          tables.build(typename Tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
+        };
+        build(std::make_index_sequence<count>());
+      });
 }
 
 template <class Model, class Real>

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "fork_safe_lock.hpp"
 #include "microfacet/family/sampled.hpp"
 #include "microfacet/family/sampled_tables.hpp"
-#include "fork_safe_lock.hpp"
 #include "operations.hpp"
 
 namespace microfacet::bindings {

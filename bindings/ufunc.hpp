@@ -118,8 +118,7 @@ struct ufunc_loops {
       const arguments at = shifted(op, args, steps, first);
       const bool drawn =
           op.wide.table != nullptr && run_prepared<double, float>(op, at.data(), steps, last - first);
-      if (!drawn && op.wide.constant != nullptr)
-        run<double, float>(op, at.data(), steps, last - first, true);
+      if (!drawn && op.wide.constant != nullptr) run<double, float>(op, at.data(), steps, last - first, true);
     }
   }
 

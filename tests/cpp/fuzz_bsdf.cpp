@@ -71,7 +71,8 @@ void ask(const Family& family, fuzz::input& in) {
   const T eta = in.number<T>(), k = in.number<T>(), cosine = in.number<T>();
   fuzz::require_within("a metal's reflectance", static_cast<double>(mf::fresnel_conductor(cosine, eta, k)), 0,
                        1 + 1e-5);
-  fuzz::require_within("reflectance", static_cast<double>(mf::fresnel_dielectric(cosine, eta).reflected), 0, 1);
+  fuzz::require_within("reflectance", static_cast<double>(mf::fresnel_dielectric(cosine, eta).reflected), 0,
+                       1);
   switch (in.choice(5)) {
     case 0:
       return once<mf::conductor<T>, T>(mf::conductor<T>(eta, k), ndf, in);

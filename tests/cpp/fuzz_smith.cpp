@@ -34,7 +34,8 @@ void ask_anything(const Family& family, fuzz::input& in) {
   const mf::ndf<Family, T> ndf(family, shape);
   const mf::vec3<T> w{in.number<T>(), in.number<T>(), in.number<T>()},
       m{in.number<T>(), in.number<T>(), in.number<T>()};
-  fuzz::compute(ndf.D(m)), fuzz::compute(ndf.sigma(w)), fuzz::compute(ndf.Lambda(w)), fuzz::compute(ndf.G1(w));
+  fuzz::compute(ndf.D(m)), fuzz::compute(ndf.sigma(w)), fuzz::compute(ndf.Lambda(w)),
+      fuzz::compute(ndf.G1(w));
   fuzz::compute(ndf.G2(w, m)), fuzz::compute(ndf.D_visible(m, w)), fuzz::compute(ndf.P22(w.x, w.y));
   fuzz::compute(ndf.slope_cdf(w.x)), fuzz::compute(ndf.P2(w.y));
   std::array<T, 4> xi;

@@ -65,7 +65,7 @@ void of_family(fuzz::input& in) {
     return family(p[I]...);
   };
   const family f = make(std::make_index_sequence<count>());
-  constexpr std::array<unsigned, 7> tables{mf::of_P22, mf::of_survival,     mf::of_radius, mf::of_P2,
+  constexpr std::array<unsigned, 7> tables{mf::of_P22,      mf::of_survival,     mf::of_radius, mf::of_P2,
                                            mf::of_slope_sf, mf::of_slope_excess, mf::of_visible};
   const unsigned wanted = tables[in.choice(tables.size())];
   const auto t = std::make_unique<mf::radial_tables<T>>();
@@ -82,7 +82,9 @@ void of_users_density(fuzz::input& in) {
                noise = in.choice(2) ? in.number<double>() : 0, end = in.choice(2) ? 85 : in.number<double>();
   const auto density = [&](const double* L, double* f, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i)
-      f[i] = L[i] > end ? 0 : std::abs(std::exp((L[i] < edge ? low : high) * L[i]) * (1 + noise * std::sin(L[i])));
+      f[i] = L[i] > end
+                 ? 0
+                 : std::abs(std::exp((L[i] < edge ? low : high) * L[i]) * (1 + noise * std::sin(L[i])));
   };
   const auto family = std::make_unique<mf::sampled>(density, -690.0, 85.0, std::abs(in.number<double>()),
                                                     in.choice(2) != 0, density);

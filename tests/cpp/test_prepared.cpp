@@ -166,8 +166,8 @@ TEST(a_table_of_nothing_is_not_good) {
     const check::note at("a = ", a);
     narrow.build(mf::bessel_k<double>(a), mf::of_all | mf::of_visible);
     CHECK(narrow.good(mf::of_all) && narrow.visible.complete);
-    CHECK_NEAR(mf::bessel_k<double>(a).P2(static_cast<double>(
-                   narrow.visible.marginal_radius(mf::twofold<float>(1.0F)))),
+    CHECK_NEAR(mf::bessel_k<double>(a).P2(
+                   static_cast<double>(narrow.visible.marginal_radius(mf::twofold<float>(1.0F)))),
                1 / (1.0 + static_cast<double>(narrow.visible.inverse_P2)), 1e-5);
   }
 }

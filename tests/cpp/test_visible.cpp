@@ -130,8 +130,9 @@ TEST(slope_across_the_plane_is_conditional) {
           const double v = (i + 0.5) / steps, xi1 = 1 - v * v, measure = 2 * v / steps;
           // At xi2 = 0 it is the radius itself (or for Beckmann the quantile of xi1).
           const double rest = mf::detail::solve_visible_slopes(family, x, 0.4, xi1, 0.0).across;
-          below += measure * (by_length(family) ? std::acos(std::clamp(q / std::abs(rest), -1.0, 1.0)) / mf::pi
-                                                : 0.5 * (std::abs(rest) > q));
+          below +=
+              measure * (by_length(family) ? std::acos(std::clamp(q / std::abs(rest), -1.0, 1.0)) / mf::pi
+                                           : 0.5 * (std::abs(rest) > q));
         }
         constexpr int nodes = 4000;
         for (int i = 0; i <= nodes; ++i) {

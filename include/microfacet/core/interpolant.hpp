@@ -99,6 +99,15 @@ class sampled_function {
   void (*call_)(const void*, const double*, double*, std::size_t);
 };
 
+// Where f is to be met, in L = log x: from `lower` to `upper`, with a piece for of_root down to twice
+// `lower` if `roots`. Above, f goes on as a power of x; where it falls below `least`, it ends. Below `lower`
+// it is f(0). `inside` is an L at which f is neither huge nor tiny. Errors are near ones where abs(log f) <
+// `central`.
+struct fit_range {
+  double lower, upper, inside, at_zero, least, central;
+  bool roots = false;
+};
+
 // The last L on the way from one to another up to which inside(L, f) holds, if it does at `from`: by
 // sections, all points of one at a time.
 template <class Inside>

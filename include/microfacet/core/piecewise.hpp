@@ -120,7 +120,8 @@ struct piecewise {
     using integers = elementary::integers<R>;
     using elementary::bits;
     constexpr int number = bits_of_number(Few) == 4 ? 2 : 3, word = (sizeof(T) == 4 ? 5 : 6) - number;
-    const integers fine = elementary::wrapping_difference(integers(bits(minimum(x, R(last)))), integers(base)),
+    const integers fine =
+                       elementary::wrapping_difference(integers(bits(minimum(x, R(last)))), integers(base)),
                    k = larger(fine, integers(fine >> coarser));
     const integers at = integers(k >> (shift - number)) & integers(((1 << word) - 1) << number);
     return shift_right(lookup<words>(map, integers(k >> (shift + word))), at);

@@ -16,15 +16,6 @@
 
 namespace microfacet {
 
-// Where f is to be met, in L = log x: from `lower` to `upper`, with a piece for of_root down to twice
-// `lower` if `roots`. Above, f goes on as a power of x; where it falls below `least`, it ends. Below `lower`
-// it is f(0). `inside` is an L at which f is neither huge nor tiny. Errors are near ones where abs(log f) <
-// `central`.
-struct fit_range {
-  double lower, upper, inside, at_zero, least, central;
-  bool roots = false;
-};
-
 // `sample` outlives the fit.
 template <class Table>
 class piecewise_fit {
@@ -33,7 +24,7 @@ class piecewise_fit {
   using polynomial = interpolant<T, Table::terms + 1>;
   static constexpr std::size_t nodes = Table::terms + 1;
   static constexpr double tolerated = 6;  // excess, which may be rounding, of a piece of one cell
-  static constexpr int most_fits = 700;  // functions that can be met take half of that
+  static constexpr int most_fits = 700;   // functions that can be met take half of that
 
  public:
   piecewise_fit(const sampled_function& sample, const fit_range& range) : sample_(sample), range_(range) {}
@@ -203,8 +194,7 @@ class piecewise_fit {
   double low_ = 0, high_ = 0, power_ = 0, end_value_ = 0;
   bool goes_on_ = false;
   std::size_t count_ = 0;
-  std::ptrdiff_t guess_ = 1;
-  int fits_ = 0;
+  std::ptrdiff_t guess_ = 1, fits_ = 0;
 };
 
 }  // namespace microfacet

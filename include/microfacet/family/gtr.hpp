@@ -85,7 +85,8 @@ class gtr {
     return maximum(alpha_, T(1)) * rise / fall;
   }
 
-  // Whether P22, and with it P2, falls everywhere: the logarithmic derivative of P22 at r2 = 0 is the largest.
+  // Whether P22, and with it P2, falls everywhere: the logarithmic derivative of P22 at r2 = 0 is the
+  // largest.
   auto falls() const { return (gamma_ - T(2)) * a2_ <= gamma_; }
   T P2(const slope<T>& t_argument) const {
     const slope<T> t(minimum(T(abs(t_argument.value.high)), largest_slope<T>()), bounded(t_argument.squared));

@@ -133,7 +133,8 @@ class visible_tables {
     falls = true;
     // The mean length of a slope along an axis.
     const double mean = 2 * samples.all();
-    for (double t = 1e-3; t < 1e3; t *= 1.2) falls = falls && samples.at(t * mean) >= samples.at(1.2 * t * mean);
+    for (double t = 1e-3; t < 1e3; t *= 1.2)
+      falls = falls && samples.at(t * mean) >= samples.at(1.2 * t * mean);
     const auto fill = [&](table& t, const auto& function, const fit_range& range) {
       const auto sample = [&](const double* L, double* f, std::size_t n) {
         detail::in_lanes<R>(L, f, n, function);

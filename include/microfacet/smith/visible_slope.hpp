@@ -61,23 +61,20 @@ class visible_slope_solver : visible_functions<Family, T> {
   }
 
   T operator()() const {
-    T v = first();
-    auto moving = elementary::is_number(v) & (v >= T(0));
-    v = select(moving, v, T(0));
+    const T start = first();
+    auto moving = start >= T(0);
+    T v = select(moving, start, T(0)), least(0), most = select(on_lower_, c_, largest_slope<T>());
     // A lane that has converged stays, so that its neighbours do not change it; so does one that has left the
-    // range of the family's functions. Few steps are the rule; where log(probability) bends sharply the
-    // bounds that the residuals set bring the result near.
-    T least(0), most = select(on_lower_, c_, largest_slope<T>());
+    // range of the family's functions. Where log(probability) bends sharply, bounds bring the result near.
     for (int i = 0; i < 40; ++i) {
       const step s = next(v);
       least = select(s.residual > T(0), v, least), most = select(s.residual < T(0), v, most);
-      const auto inside = (s.to >= least) & (s.to <= most);
+      const auto inside = ((s.to >= least) & (s.to <= most)) | (least == T(0));
       const T middle = select(most > T(4) * least, T(sqrt(least) * sqrt(most)), T(T(0.5) * (least + most)));
-      const T after = select(inside | (least == T(0)), s.to, middle);
+      const T after = select(inside, s.to, middle);
       const T moved = select(moving & (s.residual == s.residual) & (after >= T(0)), after, v);
-      // Convergence is quadratic at least.
-      moving =
-          moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * select(on_lower_, minimum(v, T(c_ - v)), v));
+      const T size = select(on_lower_, minimum(v, T(c_ - v)), v);  // convergence is quadratic at least
+      moving = moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * size);
       v = moved;
       if (!some_lane(moving)) break;
     }
