@@ -23,6 +23,8 @@ namespace fuzz {
 
 // The numbers that an input has given, for the message of a failure.
 inline std::vector<double> given;
+// Whether results are judged: arithmetic in float of a family that needs double must only be defined.
+inline bool judged = true;
 
 // Takes numbers from bytes, and zeros where they end.
 class input {
@@ -111,7 +113,7 @@ void compute(const T& value) {
 }
 // A number from least to most, or nan.
 inline void require_within(std::string_view what, double value, double least, double most) {
-  if (value < least || value > most) fail(what, value);
+  if (judged && (value < least || value > most)) fail(what, value);
 }
 inline void require_positive(std::string_view what, double value) {
   require_within(what, value, 0, std::numeric_limits<double>::infinity());
