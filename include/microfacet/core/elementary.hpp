@@ -156,7 +156,7 @@ MICROFACET_INLINE circle<R> cos_sin_of_turns(const R& x) {
   const auto bit = [](int mask, const integers<R>& i) { return (i & integers<R>(mask)) != integers<R>(0); };
   const integers<R> quarter = bits(shifted);
   const auto swapped = bit(1, quarter), negative_sine = bit(2, quarter);
-  const auto negative_cosine = bit(2, integers<R>(quarter + integers<R>(1)));
+  const auto negative_cosine = bit(2, wrapping_sum(quarter, integers<R>(1)));
   const R cosine = select(swapped, s, c), sine = select(swapped, c, s);
   return {select(negative_cosine, R(-cosine), cosine), select(negative_sine, R(-sine), sine)};
 }
