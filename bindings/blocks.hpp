@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "lanes.hpp"
+#include "microfacet/smith/shape.hpp"
 
 namespace microfacet::bindings {
 
@@ -66,8 +67,18 @@ void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, st
 struct block_plan {
   std::size_t values, inputs, outputs;
   bool wide_parameters;
-  std::size_t uniforms = 0;
+  bool of_cosine = false;  // the first value is a cosine
 };
+
+// Cosines that exceed 1 by the rounding of the type From count as 1 in arithmetic that rounds less.
+template <class From, class To>
+void round_cosines(buffer<To>& cosines, std::ptrdiff_t count) {
+  constexpr To most = largest_cosine<From>;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const To c = cosines[i], one = c < To(0) ? To(-1) : To(1);
+    cosines[i] = abs(c) > To(1) && abs(c) <= most ? one : c;
+  }
+}
 
 // Evaluates n elements, a multiple of the lanes or the last ones filled up, of contiguous arrays.
 template <class Compute>
@@ -98,6 +109,9 @@ void in_blocks(const block_plan& plan, char* const* args, const std::ptrdiff_t* 
         gather_uniform<T>(at(a), steps[a], count, buffers[a]);
       else
         gather<T>(at(a), steps[a], count, buffers[a]);
+      if (!std::is_same_v<T, Compute> && plan.of_cosine && a == 0)
+        round_cosines<T>(buffers[a],
+                         (count + filled_up<Compute> - 1) / filled_up<Compute> * filled_up<Compute>);
     }
     for (std::size_t k = 0; k < plan.outputs; ++k) {
       const std::size_t a = plan.inputs + k;

@@ -108,7 +108,7 @@ std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameter
   std::array<double, count> key;
   for (std::size_t i = 0; i < count; ++i) {
     const bool scale = i + own < count;
-    const parameter domain = scale ? parameter{"alpha", 0, inf, 0} : family::parameters[i + own - count];
+    const parameter domain = scale ? roughness : family::parameters[i + own - count];
     key[i] = parameters[i];
     const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
     if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;

@@ -119,7 +119,8 @@ struct reflectance_of_dielectric {
   static constexpr layout<2> shape{};
   template <class Distribution, class T>
   MICROFACET_INLINE static void apply(const Distribution&, const T* x, T* out) {
-    out[0] = fresnel_dielectric(x[0], x[1]).reflected;
+    const T c = cosine<T>(x[0]).z;
+    out[0] = where(c == c, fresnel_dielectric(c, x[1]).reflected);
   }
 };
 struct reflectance_of_conductor {
@@ -128,7 +129,8 @@ struct reflectance_of_conductor {
   static constexpr layout<3> shape{};
   template <class Distribution, class T>
   MICROFACET_INLINE static void apply(const Distribution&, const T* x, T* out) {
-    out[0] = conductor<T>(x[1], x[2]).reflectance(x[0]);
+    const T c = cosine<T>(x[0]).z;
+    out[0] = where((c == c) & (x[2] < T(inf)), conductor<T>(x[1], x[2]).reflectance(c));
   }
 };
 
@@ -148,7 +150,9 @@ PyObject* add_families(PyObject* module, const std::tuple<Tag...>&) {
   Py_ssize_t i = 0;
   const bool complete = (add_family<Tag>(module) && ...);
   (PyTuple_SET_ITEM(names, i++, text(Tag::template type<double>::name)), ...);
-  if (!complete || !add(module, "families", names) || !add_radial_space(module) ||
+  if (!complete || !add(module, "families", names) ||
+      !add(module, "roughness", Py_BuildValue("(dd)", roughness.lower, roughness.upper)) ||
+      !add_radial_space(module) ||
       !add_all<no_model, false, exponential, reflectance_of_dielectric, reflectance_of_conductor>(module, ""))
     return nullptr;
   return module;

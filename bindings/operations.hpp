@@ -18,11 +18,25 @@ namespace microfacet::bindings {
   };
 #define MICROFACET_VECTOR(I) (vec3<T>{x[I], x[I + 1], x[I + 2]})
 
-// Of a cosine or slopes, isotropic.
-MICROFACET_OPERATION(D_of_cosine, "D", 1, of_P22, ndf.D(cosine<T>(x[0])))
-MICROFACET_OPERATION(sigma_of_cosine, "sigma", 1, of_slope_excess, ndf.sigma(cosine<T>(x[0])))
-MICROFACET_OPERATION(Lambda_of_cosine, "Lambda", 1, of_slope_excess, ndf.Lambda(cosine<T>(x[0])))
-MICROFACET_OPERATION(G1_of_cosine, "G1", 1, of_slope_excess, ndf.G1(cosine<T>(x[0])))
+// Of a cosine, isotropic.
+#define MICROFACET_OF_COSINE(NAME, NEEDS)                                              \
+  struct NAME##_of_cosine {                                                            \
+    static constexpr const char* name = #NAME;                                         \
+    static constexpr unsigned needs = NEEDS;                                           \
+    static constexpr bool of_cosine = true;                                            \
+    static constexpr layout<1> shape{};                                                \
+    template <class Distribution, class T>                                             \
+    MICROFACET_INLINE static void apply(const Distribution& ndf, const T* x, T* out) { \
+      out[0] = ndf.NAME(cosine<T>(x[0]));                                              \
+    }                                                                                  \
+  };
+MICROFACET_OF_COSINE(D, of_P22)
+MICROFACET_OF_COSINE(sigma, of_slope_excess)
+MICROFACET_OF_COSINE(Lambda, of_slope_excess)
+MICROFACET_OF_COSINE(G1, of_slope_excess)
+#undef MICROFACET_OF_COSINE
+
+// Of slopes or uniform numbers, isotropic.
 MICROFACET_OPERATION(survival_of_slope, "survival", 1, of_survival, survival(ndf, x[0]))
 MICROFACET_OPERATION(slope_sample, "sample_slope", 1, of_radius,
                      sample_slope(ndf.family(), ndf.shape(), x[0]))

@@ -51,6 +51,7 @@ struct policy {
   using family = typename Model::family;
 
   static constexpr bool samples_visible = requires { Operation::samples_visible; };
+  static constexpr bool of_cosine = requires { Operation::of_cosine; };
   // A family of the user's has tables alone, which are searched.
   static constexpr bool searches = requires { typename Model::tag::template table_density<lanes<float>>; };
   // Samplers that iterate are no chain that a call would interrupt; nor are tables that are searched.
@@ -130,7 +131,7 @@ constexpr std::size_t uniforms_of() {
 template <class Model, class Operation, bool WideParameters>
 inline constexpr operation_kernels kernels_of_operation{
     {Operation::shape.inputs, Operation::shape.inputs + Model::count, Operation::shape.outputs,
-     WideParameters, uniforms_of<Operation>()},
+     WideParameters, policy<Model, Operation>::of_cosine},
     Operation::needs,
     policy<Model, Operation>::samples_visible,
     kernels_of<Model, Operation, !WideParameters, float>(),

@@ -48,7 +48,7 @@ def _values(name: str, n: int, rng: np.random.Generator, dtype: np.dtype) -> NDA
 
 
 def _parameter(lower: float, n: int, rng: np.random.Generator, dtype: np.dtype) -> NDArray[Any]:
-    x = lower + 10 ** rng.uniform(-4 if lower == 0 else -2, 1, n)
+    x = lower + 10 ** rng.uniform(-4 if lower < 1e-9 else -2, 1, n)
     return np.where(rng.random(n) < 0.05, rng.choice((lower, -1.0, np.inf, np.nan), n), x).astype(dtype)
 
 

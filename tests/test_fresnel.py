@@ -119,7 +119,7 @@ def test_reflectance_is_the_same_from_both_sides() -> None:
     np.testing.assert_allclose(there, back, rtol=1e-11)
 
 
-@pytest.mark.parametrize("cosine", [-0.0, -0.5, -1.0, 5e-324, 1.0 + 1e-15, 2.0])
+@pytest.mark.parametrize("cosine", [-0.0, -0.5, -1.0, 5e-324, 1.0 + 1e-15])
 def test_reflectances_are_shares_whatever_the_cosine(cosine: float) -> None:
     for value in (
         mf.fresnel_dielectric(cosine, np.array([0.1, 1.0, 10.0])),

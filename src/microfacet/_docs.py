@@ -68,21 +68,21 @@ class _Quantity:
     example: str  # the arguments before the parameters
 
 
-_COSINE = ("u", "Cosine of the angle to the macroscopic normal (dimensionless), in [-1, 1].")
-_SLOPE = ("p", "Slope along x (dimensionless), any real number.")
-_XI = (
-    "xi",
-    "Uniform random number, in [0, 1). NumPy rounds it where `dtype` asks for float32 of float64: what is "
-    "above 1 - 2**-25 becomes 1.",
+_COSINE = (
+    "u",
+    "Cosine of the angle to the macroscopic normal (dimensionless), in [-1, 1]; up to 8 ulp beyond, as "
+    "rounding makes it, it counts as 1 or -1.",
 )
-_NAN = "nan where an argument is nan or a parameter lies outside its domain"
+_SLOPE = ("p", "Slope along x (dimensionless), any real number.")
+_XI = ("xi", "Uniform random number, in [0, 1).")
+_NAN = "nan where any argument is nan or a parameter lies outside its domain"
 
 QUANTITIES: Mapping[str, _Quantity] = {
     "D": _Quantity(
         "Density of microfacet normals, per steradian.",
         (_COSINE,),
         "Area of microfacets per unit area of surface and steradian; D cos(theta) integrates to 1.",
-        f"0 for u <= 0; {_NAN} or abs(u) > 1.",
+        f"0 for u <= 0; {_NAN}, or abs(u) exceeds 1 by more.",
         "0.9",
     ),
     "P22": _Quantity(
@@ -110,21 +110,21 @@ QUANTITIES: Mapping[str, _Quantity] = {
         "Projected area of the microfacets towards a direction, on the whole sphere.",
         (_COSINE,),
         "Area per unit area of surface: 1 at u = 1, 0 at u = -1; sigma(u) - sigma(-u) = u.",
-        f"{_NAN} or abs(u) > 1.",
+        f"{_NAN}, or abs(u) exceeds 1 by more.",
         "-0.2",
     ),
     "Lambda": _Quantity(
         "Smith's auxiliary function: sigma(u) = u (1 + Lambda(u)).",
         (_COSINE,),
         "Masked over visible area (dimensionless); Lambda(-u) = -1 - Lambda(u).",
-        f"inf at u = 0; {_NAN} or abs(u) > 1.",
+        f"inf at u = 0; {_NAN}, or abs(u) exceeds 1 by more.",
         "0.2",
     ),
     "G1": _Quantity(
         "Smith's masking function: the visible fraction of microfacets that face a direction.",
         (_COSINE,),
         "u/sigma(u) = 1/(1 + Lambda(u)), in [0, 1].",
-        f"0 for u <= 0; {_NAN} or abs(u) > 1.",
+        f"0 for u <= 0; {_NAN}, or abs(u) exceeds 1 by more.",
         "0.2",
     ),
     "survival": _Quantity(
@@ -150,7 +150,9 @@ QUANTITIES: Mapping[str, _Quantity] = {
     ),
 }
 
-_ALPHA = "Roughness, the scale of the slopes (dimensionless), in (0, inf)."
+_ALPHA = (
+    "Roughness, the scale of the slopes (dimensionless), in (1e-101, 1e101): in float32 any normal number."
+)
 
 
 def _wrap(text: str, prefix: str = "") -> str:
@@ -186,7 +188,8 @@ ndarray or scalar
 
 Notes
 -----
-{_wrap(f"Outside the domain: {about.outside} No warning is raised.")}
+{_wrap(f"Outside the domain: {about.outside} No warning is raised. Inside, every result is a number.")}
+{_wrap("Numbers below the normal ones of the precision count as 0, as arguments and as results.")}
 
 References
 ----------

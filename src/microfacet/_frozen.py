@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, ClassVar
 
-from microfacet._calls import constructor
+from microfacet import _core
 from microfacet._sampling import Sampling
 
 __all__ = ["Distribution", "IsotropicDistribution", "StretchedDistribution"]
@@ -125,10 +125,10 @@ class StretchedDistribution(Distribution):
         if (alpha is None) == (alpha_x is None) or (alpha_x is None) != (alpha_y is None):
             raise ValueError(f"{owner}: give either alpha, or both alpha_x and alpha_y")
         if alpha is not None:
-            x = y = _number(owner, "alpha", alpha, 0.0, math.inf)
+            x = y = _number(owner, "alpha", alpha, *_core.roughness)
         else:
-            x = _number(owner, "alpha_x", alpha_x, 0.0, math.inf)
-            y = _number(owner, "alpha_y", alpha_y, 0.0, math.inf)
+            x = _number(owner, "alpha_x", alpha_x, *_core.roughness)
+            y = _number(owner, "alpha_y", alpha_y, *_core.roughness)
         turn = _number(owner, "rotation", rotation, -math.inf, math.inf)
         own = (_number(owner, name, shape[name], lo, hi) for name, lo, hi, _ in self.kernels.parameters)
         self._freeze((x, y, turn, *own))
@@ -146,4 +146,4 @@ class IsotropicDistribution(Distribution):
     def _set(self, alpha: float, **shape: float | None) -> None:
         owner = type(self).__name__
         own = (_number(owner, name, shape[name], lo, hi) for name, lo, hi, _ in self.kernels.parameters)
-        self._freeze((_number(owner, "alpha", alpha, 0.0, math.inf), *own))
+        self._freeze((_number(owner, "alpha", alpha, *_core.roughness), *own))

@@ -152,9 +152,9 @@ class RadialNDF(StretchedDistribution):
     survival : callable or (r, values), optional
         Probability of a slope above r, if you know it better than an integral of P22 tells it.
     alpha : float
-        Isotropic roughness, in (0, inf), by default 1; or give both of
+        Isotropic roughness, in (1e-101, 1e101), by default 1; or give both of
     alpha_x, alpha_y : float
-        Roughness along the two axes, in (0, inf).
+        Roughness along the two axes, in (1e-101, 1e101).
     rotation : float
         Angle of the first axis from +x (radians, counter-clockwise).
 

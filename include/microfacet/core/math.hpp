@@ -149,12 +149,35 @@ T log1p_over(const T& x) {
   return select(zero, T(T(1) - T(0.5) * x), log1p(x) / select(zero, T(1), x));
 }
 
-// A shape parameter of a family: its name and the open interval in which the family is defined.
+// A parameter of a family: its name and the open interval in which the family is defined.
 struct parameter {
   std::string_view name;
   double lower;  // for every quantity
   double upper;
   double density_lower;  // for the density and its slope marginals alone, where that is wider
 };
+
+// Roughness. Its square, and products of that with what results are made of, stay normal numbers; in a
+// narrower format than double the interval is that of all normal numbers.
+inline constexpr parameter roughness{"alpha", 1e-101, 1e101, 1e-101};
+
+// x inside the interval of a parameter, nan outside.
+template <class T>
+MICROFACET_INLINE T inside(const parameter& domain, const T& x) {
+  return where((x > T(domain.density_lower)) & (x < T(domain.upper)), x);
+}
+
+// A quantity that a last factor lifts is computed times 2^lift, so that it underflows only where the result
+// does.
+template <class T>
+inline constexpr int lift = sizeof(typename scalar_traits<T>::real) == 4 ? 56 : 350;
+template <class T>
+MICROFACET_INLINE T lifted(const T& x) {
+  return x * T(std::ldexp(1.0, lift<T>));
+}
+template <class T>
+MICROFACET_INLINE T lowered(const T& x) {
+  return x * T(std::ldexp(1.0, -lift<T>));
+}
 
 }  // namespace microfacet

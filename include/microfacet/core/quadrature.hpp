@@ -8,7 +8,7 @@
 
 namespace microfacet {
 
-inline constexpr int most_node_pairs = 48;
+inline constexpr int most_node_pairs = 240;  // of the longest interval that GTR has
 
 // int_0^1 f(c) dc by 2 `pairs` nodes (each lane has its own number, 2 at least): pair(c, 1 - c) = f(c) + f(1
 // - c).

@@ -5,8 +5,6 @@
 // know that.
 #pragma once
 
-#include <cstdint>
-
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 
@@ -100,6 +98,11 @@ MICROFACET_INLINE twofold<T> log1p_twofold(const twofold<T>& a) {
   return log_twofold(twofold<T>(sum.high, T(sum.low + a.low)));
 }
 
+template <class T, class Mask>
+MICROFACET_INLINE twofold<T> select(const Mask& mask, const twofold<T>& a, const twofold<T>& b) {
+  return {select(mask, a.high, b.high), select(mask, a.low, b.low)};
+}
+
 template <class T>
 MICROFACET_INLINE twofold<T> abs(const twofold<T>& a) {
   const auto negative = a.high < T(0);
@@ -117,7 +120,7 @@ MICROFACET_INLINE T exp(const twofold<T>& x) {
   if constexpr (elementary::has_lanes<T>) {
     return elementary::exp<Bias>(x.high, x.low);
   } else {
-    const T e = T(1.0 * (std::uint64_t{1} << Bias)) * exp(x.high);
+    const T e = T(std::ldexp(1.0, Bias)) * exp(x.high);
     return select(abs(x.low) < T(1), T(e + e * x.low), e);
   }
 }

@@ -45,22 +45,23 @@ class beckmann {
   MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
-    const T value = exp<60>(-quotient(h2, exact_product(z, z), reciprocal));
-    return rounded(T(value * reciprocal)) * (reciprocal * T(0x1p-60 / pi));
+    const T value = exp<2 * lift<T>>(-quotient(h2, exact_product(z, z), reciprocal)),
+            scale = lowered(reciprocal);
+    return value * scale * (scale * T(1 / pi));
   }
-  T survival(const twofold<T>& r2) const { return exp(-r2); }
+  T survival(const twofold<T>& r2) const { return exp<8>(-r2) * T(0x1p-8); }
   T radius2(const T& xi) const { return -log1p(-xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<60>(-t.squared) * rounded(T(T(0x1p-60 / sqrt_pi) * factor));
+    return exp<lift<T>>(-t.squared) * lowered(T(T(1 / sqrt_pi) * factor));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(
         t, [](const slope<T>& x) { return T(0.5) * exp(-x.squared) * erfc_scaled(x.value.high); });
   }
   T slope_excess(const slope<T>& x) const { return T(0.5) * exp(-x.squared) * ierfc_scaled(x.value.high); }
-  fraction<T> slope_excess_fraction(const slope<T>& x) const {
+  fraction<T> lifted_excess(const slope<T>& x) const {
     const auto [numerator, denominator] = ierfc_scaled_fraction(x.value.high);
-    return {T(0.5) * exp(-x.squared) * numerator, denominator};
+    return {T(0.5) * exp<lift<T>>(-x.squared) * numerator, denominator};
   }
 
   // What smith/visible_slope.hpp asks for.

@@ -28,7 +28,7 @@ class bessel_k {
  public:
   using scalar = T;
   static constexpr std::string_view name = "bessel_k";
-  static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, inf, 0.0}}};
+  static constexpr std::array<parameter, 1> parameters{{{"a", 1e-300, 1e100, 1e-300}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
   static constexpr bool native_float32 = false;
@@ -36,7 +36,7 @@ class bessel_k {
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   static bool sampling_fits_float32(double a) { return a >= 0.5; }
 
-  explicit bessel_k(const T& a) : a_(where((a > T(0)) & (a <= largest<T>()), a)) {}
+  explicit bessel_k(const T& a) : a_(inside(parameters[0], a)) {}
 
   T nothing() const { return T(0) * a_; }
   T P22(const twofold<T>& r2) const { return density(sqrt(r2), T(1)); }
@@ -55,7 +55,9 @@ class bessel_k {
   // Newton's method: below the median on log(1 - survival) against log y, above on log(survival) against y.
   T radius(const T& xi_argument) const {
     constexpr int most = 80;
-    const T xi = maximum(xi_argument, T(T(4096) * smallest<T>()));  // powers of its square root stay normal
+    // Powers of its square root stay normal, and its quotient by a; less is a power of the slope for a > 2.
+    const auto smooth = a_ > T(2);
+    const T xi = maximum(xi_argument, select(smooth, T(least_smooth), T(T(4096) * smallest<T>())));
     const auto lower = xi < T(0.5);
     const T target = log(select(lower, xi, T(T(1) - xi)));
     T y = T(0.8) * sqrt(a_);
@@ -79,7 +81,8 @@ class bessel_k {
       moving = moving & unsettled;
       if (!some_lane(moving)) break;
     }
-    return select(xi_argument == T(0), T(0), select(xi == T(1), infinite<T>(), y));
+    const T less = select(smooth, T(sqrt(xi_argument) / sqrt(xi)), T(1));
+    return select(xi_argument == T(0), nothing(), select(xi == T(1), T(inf), T(y * less)));
   }
   T P2(const slope<T>& t) const {
     const auto finite = a_ > T(0.5);
@@ -88,7 +91,7 @@ class bessel_k {
                   variance_gamma::density(a_, abs(t.value)));
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [this](const slope<T>& x) { return variance_gamma::sf(a_, x.value); });
+    return symmetric_sf(t, [this](const slope<T>& x) { return variance_gamma::sf(a_, bounded(x).value); });
   }
   T slope_excess(const slope<T>& x) const { return variance_gamma::excess(a_, x.value); }
 
@@ -102,9 +105,11 @@ class bessel_k {
     const T once = select(direct, k.at, T(rounded(T(a_ * k.below / inside)) / inside)) * decay;
     const T value = rounded(once) * (decay * T(1 / pi));
     const auto finite = a_ > T(1);
-    const T at_normal = square(factor) / (T(pi) * select(finite, T(a_ - T(1)), T(1)));
-    return select(y.high == T(0), select(finite, at_normal, T(at_normal * infinite<T>())), value);
+    const T at_normal = square(factor) / (T(pi) * select(finite, T(a_ - T(1)), T(1))) + nothing();
+    return select(y.high == T(0), select(finite, at_normal, T(at_normal * T(inf))), value);
   }
+
+  static constexpr double least_smooth = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-20 : 1e-190;
 
   T a_;
 };

@@ -27,7 +27,7 @@ class gtr {
  public:
   using scalar = T;
   static constexpr std::string_view name = "gtr";
-  static constexpr std::array<parameter, 1> parameters{{{"gamma", 0.0, inf, 0.0}}};
+  static constexpr std::array<parameter, 1> parameters{{{"gamma", 0.0, 1e100, 0.0}}};
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
   static constexpr bool native_float32 = false;
@@ -35,8 +35,7 @@ class gtr {
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
 
   gtr(const T& alpha, const T& gamma)
-      : alpha_(where((alpha > T(0)) & (alpha <= largest<T>()), alpha)),
-        gamma_(where((gamma > T(0)) & (gamma <= largest<T>()), gamma)) {
+      : alpha_(inside(roughness, alpha)), gamma_(inside(parameters[0], gamma)) {
     a2_ = alpha_ * alpha_;
     const auto narrow = alpha_ <= T(1);
     const T difference = (T(1) - alpha_) * (T(1) + alpha_);  // 1 - alpha^2
@@ -54,14 +53,17 @@ class gtr {
   }
 
   T nothing() const { return T(0) * norm_; }
-  T P22(const twofold<T>& r2) const { return D(T(1), minimum(r2.high, square(largest_slope<T>()))); }
+  T P22(const twofold<T>& r2) const { return D(T(1), r2); }
 
-  // (1 + r2) and (alpha^2 + r2)/min(alpha^2, 1) enter as one ratio, so that no power over- or underflows
-  // alone.
+  // P22 = norm exp(-gamma X)/(1 + r2)^2, X being V for alpha < 1, else L: a difference that large gamma
+  // leaves exact.
   T D(const T& z, const twofold<T>& h2_argument) const {
-    const T z2 = z * z, h2 = minimum(h2_argument.high, square(largest_slope<T>())), length2 = z2 + h2;
-    const T q = (a2_ * z2 + h2) / smaller_;
-    return norm_ * pow(T(length2 / q), gamma_) / square(length2);
+    const twofold<T> h2 = bounded(h2_argument), z2 = exact_product(z, z), length2 = z2 + h2;
+    const auto narrow = alpha_ < T(1);
+    const twofold<T> part = quotient(select(narrow, h2, z2), smaller() * length2);
+    const T reciprocal = T(1) / length2.high;
+    const T fall = exp<lift<T>>(-(log1p_twofold(exact_span() * part) * twofold<T>(gamma_)));
+    return fall * lowered(norm_) * reciprocal * reciprocal;
   }
 
   T survival(const twofold<T>& r2) const {
@@ -82,19 +84,20 @@ class gtr {
     const T rest = T(1) - xi;
     const T v = log_mean_exp(xi, rest, T(-g_ * beta_), down_), l = log_mean_exp(rest, xi, T(g_ * beta_), up_);
     const T rise = sqrt(v * expm1_over(T(-beta_ * v))), fall = sqrt(l * expm1_over(T(beta_ * l)));
-    return maximum(alpha_, T(1)) * rise / fall;
+    return select(xi == T(0), nothing(), T(maximum(alpha_, T(1)) * rise / fall));
   }
 
   // Whether P22, and with it P2, falls everywhere: the logarithmic derivative of P22 at r2 = 0 is the
   // largest.
   auto falls() const { return (gamma_ - T(2)) * a2_ <= gamma_; }
   T P2(const slope<T>& t_argument) const {
-    const slope<T> t(minimum(T(abs(t_argument.value.high)), largest_slope<T>()), bounded(t_argument.squared));
+    const slope<T> t = microfacet::bounded(slope<T>(abs(t_argument.value), t_argument.squared));
     return choose(
         gamma_ == T(1), [&] { return closed_marginal(t).density(); }, [&] { return marginal(t).density(); });
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [this](const slope<T>& x) {
+    return symmetric_sf(t, [this](const slope<T>& above) {
+      const slope<T> x = microfacet::bounded(above);
       return choose(
           gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
     });

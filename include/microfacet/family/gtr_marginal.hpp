@@ -16,6 +16,7 @@
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/quadrature.hpp"
 #include "microfacet/core/twofold.hpp"
+#include "microfacet/family/gtr_wide_circles.hpp"
 #include "microfacet/family/radial.hpp"
 
 namespace microfacet::detail {
@@ -50,6 +51,7 @@ class gtr_marginal {
         amplitude_(sqrt(x.squared.high + smaller)),
         g_(select(abs(g) < T(least), T(least), g)),
         rising_(g_ > T(0)),
+        span_(span.high),
         scale_(scale) {
     const T a2 = x.squared.high + smaller, excess = span.high / a2;
     const T whole = maximum(T(log1p(excess)), T(least));
@@ -58,13 +60,16 @@ class gtr_marginal {
     const twofold<T> decay = beyond * twofold<T>(maximum(g_, T(0)));
     fall_ = exp(-decay);
     const T beyond_over_span = select(lift.high > T(least), T(beyond.high / span.high), ratio.high);
-    // Where survival grows by many orders of magnitude, its upper end is all that counts.
-    const auto steep = g_ * whole > T(negligible);
-    length_ = select(steep, T(T(negligible) / g_), whole), part_ = length_ / whole;
+    // Where survival grows by many orders of magnitude, its upper end is all that counts: also of the excess,
+    // as survival over sqrt(r).
+    const T growth_rate = g_ - T(0.5);
+    const auto steep = growth_rate * whole > T(negligible);
+    length_ = select(steep, T(T(negligible) / growth_rate), whole), part_ = length_ / whole;
     growth_of_length_ = select(steep, T(expm1(length_)), maximum(excess, T(least)));
-    omitted_ = exp(length_ - whole);
-    height_ = minimum(T(abs(g_) * length_), T(single ? 80 : 600));
-    const T growth = expm1(height_);
+    shrunk_ = T(1) / (T(1) + growth_of_length_), omitted_ = exp(length_ - whole);
+    height_ = abs(g_) * length_;
+    early_ = (abs(g_) > T(2)) & (height_ > T(late));
+    const T growth = expm1(minimum(height_, T(single ? 80 : 600)));
     all_ = T(1) / (T(1) + growth), rest_of_all_ = growth * all_;
     // The pole lies past the end x of the interval by L(0) - L(x^2).
     const T t = T(2) * beyond_over_span / (whole_over_span_ * part_);
@@ -73,6 +78,25 @@ class gtr_marginal {
   }
 
   T excess() const {
+    return choose(
+        early_,
+        [&] { return wide().mean([&](const T& rho, const T& angle) { return T(rho - x_ * angle); }); },
+        [&] { return excess_of_circles(); });
+  }
+  T sf() const {
+    return choose(
+        early_, [&] { return wide().mean([](const T&, const T& angle) { return angle; }); },
+        [&] { return sf_of_circles(); });
+  }
+  T density() const {
+    return choose(
+        early_, [&] { return wide().mean([](const T& rho, const T&) { return T(T(1) / rho); }); },
+        [&] { return density_of_circles(); });
+  }
+
+ private:
+  gtr_wide_circles<T> wide() const { return {x_, amplitude_, span_, T(select(early_, T(abs(g_)), T(1)))}; }
+  T excess_of_circles() const {
     const T x = x_ / amplitude_, x2 = x * x;
     const T sum =
         integral_of_survival([&](const T& nearer, const T& farther, const T& rho2, const T& rho2_far) {
@@ -81,7 +105,7 @@ class gtr_marginal {
         });
     return maximum(T(sum / amplitude_ - x_ * pole()), T(0));
   }
-  T sf() const {
+  T sf_of_circles() const {
     const T x = x_ / amplitude_, x2 = x * x;
     const T sum =
         integral_of_survival([&](const T& nearer, const T& farther, const T& rho2, const T& rho2_far) {
@@ -91,23 +115,23 @@ class gtr_marginal {
         });
     return sum * x / square(amplitude_) + pole();
   }
-  T density() const {
+  T density_of_circles() const {
     const T sum = integral([&](const nodes& n) {
       const T fallen = all_ * (T(1) + n.growth), rho = sqrt(n.rho2), rho_far = sqrt(n.rho2_far);
       const T nearer = select(rising_, n.inverse_growth, fallen),
               farther = select(rising_, fallen, n.inverse_growth);
       return (nearer * rho_far + farther * rho) / (rho * rho_far);
     });
-    return fall_ * sum * part_ * whole_over_span_ / (T(pi) * amplitude_ * scale_);
+    return fall_ * (sum * part_ * (whole_over_span_ / (T(pi) * amplitude_ * scale_)));
   }
 
- private:
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
   static constexpr double negligible = single ? 28 : 50;
-  static constexpr double least = single ? 1e-9 : 1e-20;  // stands for zero, where only quotients count
+  static constexpr double least = single ? 1e-9 : 1e-110;  // stands for zero, where only quotients count
+  static constexpr double late = single ? 40 : 100;
 
-  // At L = L(x^2) - near length and L = L(x^2) - far length, with growth = exp(|g| near length) - 1: 1/a,
-  // (rho/A)^2.
+  // At L = L(x^2) - near length and L = L(x^2) - far length, with growth = exp(|g| near length) - 1:
+  // r = 1/(a omitted), (rho/A)^2.
   struct nodes {
     T growth, inverse_growth, r, r_far, rho2, rho2_far;
   };
@@ -115,15 +139,16 @@ class gtr_marginal {
   template <class Function>
   T integral(const Function& f) const {
     const T base = T(1) - omitted_;
-    const auto pair = [&](const T& nearer, const T&) {
-      const T b = expm1(length_ * nearer), growth = expm1(height_ * nearer), b_far = growth_of_length_ - b;
-      const T a = b_far + base * (T(1) + b), a_far = b + base;  // times (1 + b) omitted, and omitted
+    const auto pair = [&](const T& near, const T&) {
+      const T b = expm1(length_ * near), b_far = growth_of_length_ - b;
+      const T growth = expm1(minimum(T(height_ * near), T(single ? 30 : 130)));
+      // Times (1 + b) omitted over exp(length), and omitted.
+      const T a = (b_far + base * (T(1) + b)) * shrunk_, a_far = b + base;
       const T grown = T(1) + growth, inverse = T(1) / (a * a_far * grown),
               inverse_a = inverse * (a_far * grown);
       const T inverse_a_far = inverse * (a * grown);
-      return f(nodes{growth, T(inverse * (a * a_far)), T((T(1) + b) * (omitted_ * inverse_a)),
-                     T(omitted_ * inverse_a_far), T((T(1) + growth_of_length_) * (b * inverse_a)),
-                     T(b_far * inverse_a_far)});
+      return f(nodes{growth, T(inverse * (a * a_far)), T((T(1) + b) * (shrunk_ * inverse_a)), inverse_a_far,
+                     T(b * inverse_a), T(b_far * inverse_a_far)});
     };
     return integral_between_roots<T>(pair, pairs_);
   }
@@ -132,11 +157,12 @@ class gtr_marginal {
   template <class Function>
   T integral_of_survival(const Function& f) const {
     const T sum = integral([&](const nodes& n) {
-      const T nearer = (rest_of_all_ - all_ * n.growth) * select(rising_, n.inverse_growth, T(1));
-      const T farther = n.growth * select(rising_, all_, n.inverse_growth);
-      return f(T(nearer * n.r * (T(1) + n.r)), T(farther * n.r_far * (T(1) + n.r_far)), n.rho2, n.rho2_far);
+      const T near = (rest_of_all_ - all_ * n.growth) * select(rising_, n.inverse_growth, T(1));
+      const T far = n.growth * select(rising_, all_, n.inverse_growth);
+      return f(T(near * n.r * (T(1) + omitted_ * n.r)), T(far * n.r_far * (T(1) + omitted_ * n.r_far)),
+               n.rho2, n.rho2_far);
     });
-    return fall_ * length_ * sum / (T(2 * pi) * abs(g_) * scale_);
+    return fall_ * (omitted_ * sum * (length_ / (T(2 * pi) * abs(g_) * scale_)));
   }
 
   // What limits the rule are the poles at L = +-2 pi i and the growth of exp(g L).
@@ -146,16 +172,16 @@ class gtr_marginal {
                            : maximum(T(T(3.3) + T(0.48) * length_), T(T(3) + T(2) * turns));
     // The pole beyond the interval is the rule's error as long as survival does not grow too much up to
     // there; else it must not count.
-    const T for_pole = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
-    return floor(maximum(pairs, select(decay > T(8), for_pole, T(0)))) + T(1);
+    const T far = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
+    return floor(maximum(pairs, select(decay > T(8), minimum(far, T(47)), T(0)))) + T(1);
   }
 
   // The rule's error due to the pole of both integrands at r = 0, where survival is 1.
-  T pole() const { return T(1) / (T(1) + exp(minimum(T(T(4) * pairs_ * log_rho_), T(single ? 87 : 700)))); }
+  T pole() const { return T(1) / (T(1) + exp(T(T(4) * pairs_ * log_rho_))); }
 
   T x_, amplitude_, g_;
-  decltype(T() > T()) rising_;
-  T scale_, whole_over_span_, fall_, length_, part_, growth_of_length_, omitted_;
+  decltype(T() > T()) rising_, early_;
+  T span_, scale_, whole_over_span_, fall_, length_, part_, growth_of_length_, shrunk_, omitted_;
   T height_, all_, rest_of_all_, log_rho_, pairs_;
 };
 

@@ -59,9 +59,9 @@ class k0_functions {
   }
   T beyond() const {
     using namespace coefficients;
-    return exp(T(-2) * decay_) * sqrt(y_) *
+    return exp<8>(T(-2) * decay_) * sqrt(y_) *
            polynomial(by_precision<T>(k1_far_numerator_32, k1_far_numerator_64), y_) /
-           polynomial(by_precision<T>(k1_far_denominator_32, k1_far_denominator_64), y_);
+           (T(0x1p8) * polynomial(by_precision<T>(k1_far_denominator_32, k1_far_denominator_64), y_));
   }
 
  private:
@@ -92,10 +92,8 @@ class k0 {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
     const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
-    const twofold<T> finite(minimum(r2.high, T(1e30)), r2.low);  // a fast root of infinity may be nan
-    const T once = rounded(T(detail::k0_functions<T>(finite).template density<60>() * reciprocal));
-    const T value = once * (reciprocal * T(0x1p-60 / pi));
-    return select(r2.high == T(0), infinite<T>(), value);
+    const T value = detail::k0_functions<T>(r2).template density<2 * lift<T>>(), scale = lowered(reciprocal);
+    return select(r2.high == T(0), T(inf), T(value * scale * (scale * T(1 / pi))));
   }
   T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
   T radius2(const T& xi) const { return square(radius(xi)); }
@@ -130,12 +128,15 @@ class k0 {
         [&] { return T(select(xi_argument == T(0), T(0), y)); });
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<60>(T(-2) * abs(t.value)) * rounded(T(T(0x1p-60) * factor));
+    return exp<lift<T>>(T(-2) * abs(t.value)) * lowered(factor);
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [](const slope<T>& x) { return T(0.5) * exp(T(-2) * x.value); });
+    return symmetric_sf(t, [](const slope<T>& x) { return T(0x1p-9) * exp<8>(T(-2) * x.value); });
   }
   T slope_excess(const slope<T>& x) const { return T(0.25) * exp(T(-2) * x.value); }
+  fraction<T> lifted_excess(const slope<T>& x) const {
+    return {T(0.25) * exp<lift<T>>(T(-2) * x.value), T(1)};
+  }
 
   // With the probability of the area below the horizon, xi0 small, the slope is that which -|x| sees; else it
   // is one of all slopes, turned towards x where x sees too little of it.

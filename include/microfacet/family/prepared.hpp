@@ -42,8 +42,10 @@ class prepared {
     const twofold<R> z2 = exact_product(z, z);
     return square(R(t_->root_D(ratio(h2, z2, R(R(1) / z2.high))) / (z2.high + h2.high)));
   }
-  MICROFACET_INLINE R survival_of_slope(const R& r) const { return t_->survival.of_root(r); }
-  MICROFACET_INLINE R survival(const twofold<R>& r2) const { return t_->survival(r2); }
+  MICROFACET_INLINE R survival_of_slope(const R& r) const {
+    return minimum(R(t_->survival.of_root(r)), R(1));
+  }
+  MICROFACET_INLINE R survival(const twofold<R>& r2) const { return minimum(R(t_->survival(r2)), R(1)); }
   MICROFACET_INLINE R radius(const R& xi) const {
     return t_->radius(quotient(twofold<R>(xi), exact_sum_of_ordered(R(1), R(-xi))));
   }
@@ -86,7 +88,7 @@ class prepared {
   MICROFACET_INLINE fraction<R> sigma_below(const R& c, const twofold<R>& s2) const {
     const R divisor = maximum(s2.high, smallest<R>()), reciprocal = R(1) / divisor;
     const twofold<R> x2 = ratio(exact_product(c, c), twofold<R>(divisor, s2.low), reciprocal);
-    return {sqrt(s2.high) * t_->slope_excess(x2), R(1)};
+    return {lifted(sqrt(s2.high)) * t_->slope_excess(x2), R(1)};
   }
   MICROFACET_INLINE R slope_excess(const slope<R>& x) const { return t_->slope_excess(x.squared); }
 

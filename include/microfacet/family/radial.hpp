@@ -79,22 +79,21 @@ concept radial_family = requires(const F f, typename F::scalar xi, twofold<typen
 };
 // clang-format on
 
-// D from the logarithm of P22: for families whose P22 underflows where P22/z^4 does not.
+// A slope t >= 0 whose square is finite: the largest stands for all above it.
 template <class T>
-T density_from_log(const T& log_P22, const T& z) {
-  return exp(log_P22 - T(4) * log(z));
+slope<T> bounded(const slope<T>& t) {
+  const T most = largest_slope<T>();
+  const auto beyond = t.value.high > most;
+  return {select(beyond, twofold<T>(most), t.value), select(beyond, twofold<T>(T(most * most)), t.squared)};
 }
 
-// A probability above t >= 0 made one for any t by symmetry: 1/2 at 0 and nothing above the largest slope.
+// A probability above t >= 0 made one for any t by symmetry: 1/2 at 0 and nothing above infinity. The square
+// of a finite slope may be infinite.
 template <class T, class Upper>
 T symmetric_sf(const slope<T>& t_argument, const Upper& upper) {
-  const T most = largest_slope<T>(), t = t_argument.value.high, size = abs(t);
-  const auto finite = size < most;
-  const twofold<T> exact = abs(t_argument.value), &square = t_argument.squared;
-  const T q =
-      upper(slope<T>({select(finite, size, most), select(finite, exact.low, T(0))},
-                     {select(finite, square.high, T(most * most)), select(finite, square.low, T(0))}));
-  const T above = select(size == T(0), T(0.5) + T(0) * q, select(size < most, q, T(0) * q));
+  const T t = t_argument.value.high, size = abs(t);
+  const T q = upper(slope<T>(abs(t_argument.value), t_argument.squared));
+  const T above = select(size == T(0), T(0.5) + T(0) * q, select(size < T(inf), q, T(0) * q));
   return select(t < T(0), T(T(1) - above), select(size >= T(0), above, size));
 }
 

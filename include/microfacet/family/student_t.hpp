@@ -35,8 +35,9 @@ class student_t {
   static constexpr bool native_float32 = true;
   static constexpr unsigned costly = of_slope_sf | of_slope_excess;
 
+  // Beyond gaussian_ the tails are Beckmann's to rounding, as far as they are numbers.
   explicit student_t(const T& gamma)
-      : k_(where((gamma > T(least_gamma)) & (gamma <= largest<T>()), T(gamma - T(1)))),
+      : k_(minimum(T(inside(parameters[0], gamma) - T(1)), T(gaussian))),
         norm_(gamma_half_step(k_) / T(sqrt_pi)),
         inverse_k_(quotient(twofold<T>(T(1)), twofold<T>(k_))) {}
 
@@ -44,14 +45,27 @@ class student_t {
   T P22(const twofold<T>& r2) const { return power(r2, T(k_ + T(1))) * T(1 / pi); }
   // z^(2 gamma - 4) (z^2 + h2/k)^-gamma, in one exponent.
   MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
-    const T z = maximum(z_argument, T(T(4) * sqrt(smallest<T>())));
-    const twofold<T> z2 = exact_product(z, z), gamma = exact_sum(k_, T(1));
-    const twofold<T> ratio = quotient(h2 * inverse_k_, z2);
-    const twofold<T> exponent = log1p_twofold(ratio) * gamma, rest = log_twofold(z2);
-    const twofold<T> sum = exact_sum(exponent.high, T(T(2) * rest.high));
-    return exp(-twofold<T>(sum.high, T(sum.low + (exponent.low + T(2) * rest.low)))) * T(1 / pi);
+    const T least = T(4) * sqrt(smallest<T>()), z = maximum(z_argument, least);
+    const twofold<T> z2 = exact_product(z, z), gamma = exact_sum(k_, T(1)), far = h2 * inverse_k_;
+    const auto grazing = (z_argument < least) | (far.high * T(1 / largest_ratio) > z2.high);
+    // Where z^2 is nothing beside the other term, and may underflow.
+    const auto power_of_z = [&] {
+      const T positive = select(grazing, maximum(z_argument, smallest<T>()), T(1));
+      return log_twofold(select(grazing, far, twofold<T>(T(1)))) * gamma +
+             log_twofold(twofold<T>(positive)) * exact_sum(T(2), T(T(-2) * k_));
+    };
+    const auto in_one = [&] {
+      const twofold<T> exponent = log1p_twofold(quotient(far, z2)) * gamma, rest = log_twofold(z2);
+      const twofold<T> sum = exact_sum(exponent.high, T(T(2) * rest.high));
+      return twofold<T>(sum.high, T(sum.low + (exponent.low + T(2) * rest.low)));
+    };
+    return exp(-choose(grazing, power_of_z, in_one)) * T(1 / pi);
   }
-  T survival(const twofold<T>& r2) const { return power(r2, k_); }
+  T survival(const twofold<T>& r2) const { return power<8>(r2, k_) * T(0x1p-8); }
+  // Of a slope whose square may be infinite.
+  T survival_of_slope(const T& r) const {
+    return exp<8>(-(growth(slope<T>(r)) * twofold<T>(k_))) * T(0x1p-8);
+  }
   T radius2(const T& xi) const { return square(radius(xi)); }
   // For gamma near 1 slopes reach beyond the square root of the largest number.
   T radius(const T& xi) const {
@@ -59,16 +73,21 @@ class student_t {
     return sqrt((T(0) - depth) * expm1_over(growth)) * exp(T(-0.5) * growth);
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return power<60>(t.squared, T(k_ + T(0.5))) * rounded(T(norm_ * T(0x1p-60) * factor));
+    return exp<lift<T>>(-(growth(t) * twofold<T>(T(k_ + T(0.5))))) * lowered(T(norm_ * factor));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& x) {
-      return times_power(x.squared, k_, [this](const T& y, const T& q) { return student::tail(k_, y, q); });
+      return times_power(x, k_, [this](const T& y, const T& q) { return student::tail(k_, y, q); });
     });
   }
   T slope_excess(const slope<T>& x) const {
     const T k = where(k_ > T(parameters[0].lower - 1.0), k_);
-    return times_power(x.squared, k, [&](const T& y, const T& q) { return student::excess(k, y, q); });
+    return times_power(x, k, [&](const T& y, const T& q) { return student::excess(k, y, q); });
+  }
+  fraction<T> lifted_excess(const slope<T>& x) const {
+    const T k = where(k_ > T(parameters[0].lower - 1.0), k_);
+    const auto factor = [&](const T& y, const T& q) { return student::excess(k, y, q); };
+    return {times_power<lift<T>>(x, k, factor), T(1)};
   }
 
   // What smith/visible_slope.hpp asks for.
@@ -140,11 +159,24 @@ class student_t {
   T power(const twofold<T>& r2, const T& exponent) const {
     return exp<Bias>(-(log1p_twofold(r2 * inverse_k_) * twofold<T>(exponent)));
   }
-  template <class Factor>
-  T times_power(const twofold<T>& r2, const T& exponent, const Factor& factor) const {
-    const twofold<T> y = r2 * inverse_k_, q = log1p_twofold(y);
-    return exp(-(q * twofold<T>(exponent))) * factor(y.high, q.high);
+  template <int Bias = 0, class Factor>
+  T times_power(const slope<T>& t, const T& exponent, const Factor& factor) const {
+    const twofold<T> q = growth(t);
+    const T y = minimum(T(t.squared.high * inverse_k_.high), square(largest_slope<T>()));
+    return exp<Bias>(-(q * twofold<T>(exponent))) * factor(y, q.high);
   }
+  // log A(t^2), also where t^2 is infinite.
+  twofold<T> growth(const slope<T>& t) const {
+    const T size = abs(t.value.high);
+    const auto steep = size > largest_slope<T>();
+    return choose(
+        steep,
+        [&] { return T(2) * log_twofold(twofold<T>(select(steep, size, T(1)))) + log_twofold(inverse_k_); },
+        [&] { return log1p_twofold(t.squared * inverse_k_); });
+  }
+
+  static constexpr double largest_ratio = sizeof(typename scalar_traits<T>::real) == 4 ? 1e30 : 1e290;
+  static constexpr double gaussian = sizeof(typename scalar_traits<T>::real) == 4 ? 1e15 : 1e30;
 
   T k_, norm_;
   twofold<T> inverse_k_;

@@ -12,9 +12,9 @@
 
 namespace microfacet {
 
-// s J(|c|/s), the area seen from below: sigma(-|c|, s); at s = 0 it is 0. As a fraction, so that each
-// quantity divides once: a family may state J as slope_excess_fraction, or all of it as sigma_below, without
-// a quotient |c|/s.
+// s J(|c|/s), the area seen from below: sigma(-|c|, s); at s = 0 it is 0. As a fraction with a lifted
+// numerator, so that each quantity divides once, and by what did not underflow: a family may state J so as
+// lifted_excess, or all of it as sigma_below, without a quotient |c|/s.
 template <class T, class Family>
 fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) {
   if constexpr (requires { family.sigma_below(c, s2); }) {
@@ -30,10 +30,10 @@ fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) 
     const slope<T> x =
         slope<T>::of_square(T(abs(c) * s * reciprocal), quotient(exact_product(c, c), divisor, reciprocal));
     fraction<T> below{T(0), T(1)};
-    if constexpr (requires { family.slope_excess_fraction(x); }) {
-      below = family.slope_excess_fraction(x);
+    if constexpr (requires { family.lifted_excess(x); }) {
+      below = family.lifted_excess(x);
     } else {
-      below.numerator = family.slope_excess(x);
+      below.numerator = lifted(T(family.slope_excess(x)));
     }
     below.numerator = below.numerator * s;
     below.numerator = select(inside, below.numerator, T((below.numerator + s2.high) * T(0)));
@@ -44,14 +44,14 @@ fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) 
 template <class T, class Family>
 T sigma(const Family& family, const T& c, const twofold<T>& s2) {
   const fraction<T> below = sigma_below(family, c, s2);
-  return maximum(c, T(0)) + below.numerator / below.denominator;
+  return maximum(c, T(0)) + lowered(T(below.numerator / below.denominator));
 }
 
 // sigma(c)/c - 1 = sigma(-c)/c for c > 0; Lambda(-c) = -1 - Lambda(c); infinite at c = 0.
 template <class T, class Family>
 T Lambda(const Family& family, const T& c, const twofold<T>& s2) {
   const fraction<T> below = sigma_below(family, c, s2);
-  const T ratio = below.numerator / (abs(c) * below.denominator);
+  const T ratio = below.numerator / (lifted(T(abs(c))) * below.denominator);
   return select(c < T(0), T(T(-1) - ratio), ratio);
 }
 
@@ -59,7 +59,7 @@ T Lambda(const Family& family, const T& c, const twofold<T>& s2) {
 template <class T, class Family>
 T G1(const Family& family, const T& c, const twofold<T>& s2) {
   const fraction<T> below = sigma_below(family, c, s2);
-  const T visible = c * below.denominator, value = visible / (visible + below.numerator);
+  const T visible = lifted(c) * below.denominator, value = visible / (visible + below.numerator);
   return select(c > T(0), value, T((c + below.numerator) * T(0)));
 }
 

@@ -28,7 +28,8 @@ T sample_slope(const Family& family, const isotropic_shape<T>& shape, const T& x
 // cos(theta) of the same normal.
 template <class T>
 T cosine_of_slope(const T& slope) {
-  return T(1) / sqrt(T(1) + slope * slope);
+  const auto steep = slope > T(1e9);  // whose square may overflow
+  return T(1) / select(steep, slope, T(sqrt(T(1) + slope * slope)));
 }
 
 // Pr(slope > r) for r >= 0; nan below.
@@ -36,12 +37,12 @@ template <class Family, class T>
 T survival(const ndf<Family, T, isotropic_shape<T>>& distribution, const T& r) {
   const Family& family = distribution.family();
   const T valid = where(r >= T(0), r);
-  const twofold<T> r2 = distribution.shape().slope2(valid, T(0));
+  const twofold<T> r2 = distribution.shape().slope2(valid);
   if constexpr (requires { family.survival_of_slope(r); }) {  // where a square has lost digits
-    return choose(
-        minimum(r2.high, T(valid * valid)) < T(0x1p30) * smallest<T>(),
-        [&] { return family.survival_of_slope(distribution.shape().length(valid, T(0))); },
-        [&] { return family.survival(r2); });
+    const T most = square(largest_slope<T>());
+    return choose((minimum(r2.high, T(valid * valid)) < T(0x1p30) * smallest<T>()) | !(r2.high < most),
+                  [&] { return family.survival_of_slope(distribution.shape().length(valid, T(0))); },
+                  [&] { return family.survival(r2); });
   } else {
     return family.survival(r2);
   }
@@ -55,7 +56,7 @@ vec3<T> sample_normal(const ndf<Family, T, Shape>& distribution, const T& xi_rad
   // Minus the slopes, so that 2 pi xi is the azimuth of the normal; the density is symmetric.
   T x = radius * azimuth.cosine, y = radius * azimuth.sine;
   distribution.shape().to_surface(x, y);
-  const T z = cosine_of_slope(T(sqrt(x * x + y * y)));
+  const T z = cosine_of_slope(length(x, y));
   return {x * z, y * z, z};
 }
 

@@ -6,36 +6,45 @@
 // those components.
 #pragma once
 
+#include <limits>
+
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/twofold.hpp"
 #include "microfacet/core/vec.hpp"
 
 namespace microfacet {
 
-// alpha outside (0, inf) becomes nan and so does every result in that lane. alpha may come with more digits
-// than a T has.
+// alpha outside its interval becomes nan and so does every result in that lane. alpha may come with more
+// digits than a T has.
 template <class T>
 twofold<T> valid_alpha(const twofold<T>& alpha) {
-  return {where((alpha.high > T(0)) & (alpha.high <= largest<T>()), alpha.high), alpha.low};
+  return {inside(roughness, alpha.high), alpha.low};
 }
 
 // sqrt(p^2 + q^2) without the squares' under- and overflow.
 template <class T>
 T length(const T& p, const T& q) {
-  const T most = T(1) / smallest<T>(), a = minimum(T(abs(p)), most), b = minimum(T(abs(q)), most);
-  const T larger = maximum(maximum(a, b), smallest<T>());
-  return larger * sqrt(square(T(a / larger)) + square(T(b / larger)));
+  const T most = T(1) / smallest<T>(), larger = maximum(T(abs(p)), T(abs(q)));
+  const T unit = minimum(maximum(larger, smallest<T>()), most);  // finite beside infinity
+  return unit * sqrt(square(T(p / unit)) + square(T(q / unit)));
 }
 
-// A direction in the plane y = 0 by its cosine u in [-1, 1] alone.
+// Rounding takes the cosine of a normalised direction a few ulp above 1: up to here it counts as 1.
+template <class T>
+inline constexpr T largest_cosine = T(1) + 8 * std::numeric_limits<T>::epsilon();
+
+// A direction in the plane y = 0 by its cosine u in [-1, 1] alone; beyond largest_cosine its z is nan.
 template <class T>
 struct cosine {
   twofold<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
   T z;
 
-  explicit cosine(const T& u) : sine2(one_minus(exact_product(u, u))), z(where(sine2.high >= T(0), u)) {}
+  explicit cosine(const T& u) : cosine(u, T(minimum(maximum(u, T(-1)), T(1)))) {}
 
  private:
+  cosine(const T& u, const T& bounded)
+      : sine2(one_minus(exact_product(bounded, bounded))),
+        z(where(abs(u) <= T(largest_cosine<typename scalar_traits<T>::real>), bounded)) {}
   static twofold<T> one_minus(const twofold<T>& a) {
     const twofold<T> rest = exact_sum_of_ordered(T(1), T(-a.high));
     return exact_sum_of_ordered(rest.high, T(rest.low - a.low));
@@ -53,7 +62,7 @@ twofold<T> reciprocal(const twofold<T>& a) {
 }
 
 // What both shapes offer, of slopes (p, q) and directions:
-//   slope2, length       the standard slope squared, and its length where the square would underflow
+//   slope2, length       the standard slope squared, and its length where the square would leave the range
 //   unit, unit_slope2    a power of two whose fourth power is near the area, and the squared standard slope
 //   of
 //                        slopes or of a normal times (z unit)^2, exactly: D at unit z over- and underflows
@@ -71,16 +80,15 @@ class isotropic_shape {
       : alpha_(valid_alpha(alpha)),
         alpha2_(square(alpha_)),
         inverse_(reciprocal(alpha_)),
-        inverse2_(reciprocal(alpha2_)),
         unit_(elementary::power_of_two(T(sqrt(alpha_.high)))),
-        unit2_(square(unit_) * inverse2_) {}
+        unit2_(square(unit_) * reciprocal(alpha2_)) {}
 
   T unit() const { return unit_; }
   T unit_density() const { return rounded(T(square(unit_) * unit2_.high)); }
   twofold<T> unit_slope2(const T& p, const T& q) const { return squared_length(p, q) * unit2_; }
   twofold<T> unit_slope2(const vec3<T>& m) const { return squared_length(m.x, m.y) * unit2_; }
   twofold<T> unit_slope2(const cosine<T>& m) const { return m.sine2 * unit2_; }
-  twofold<T> slope2(const T& p, const T& q) const { return squared_length(p, q) * inverse2_; }
+  twofold<T> slope2(const T& r) const { return square(standard(r)); }
   T length(const T& p, const T& q) const {
     return microfacet::length(T(p / alpha_.high), T(q / alpha_.high));
   }
@@ -94,7 +102,7 @@ class isotropic_shape {
   void to_surface(T& p, T& q) const { p = p * alpha_.high, q = q * alpha_.high; }
 
  private:
-  twofold<T> alpha_, alpha2_, inverse_, inverse2_;
+  twofold<T> alpha_, alpha2_, inverse_;
   T unit_;
   twofold<T> unit2_;  // times the inverse square
 };

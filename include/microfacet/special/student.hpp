@@ -25,14 +25,14 @@ namespace microfacet::student {
 template <class T>
 struct arguments {
   T k, z, w, q;          // w = 1 - z; beyond the bound of q only the ten terms count
-  T kappa, root, slope;  // 1/K, sqrt(q/K), sqrt(q K)
+  T kappa, slope, root;  // 1/K, sqrt(q K), sqrt(q/K)
 
   arguments(const T& k_, const T& y_argument, const T& q_argument) : k(k_) {
     const T least = T(4) * smallest<T>();  // below, halves on the way to q are flushed to zero
     const T y = maximum(y_argument, least);
     z = T(1) / (T(1) + y), w = y * z;
     q = minimum(maximum(q_argument, least), T(q_end));
-    kappa = T(1) / (k + T(half_step_shift)), root = sqrt(q * kappa), slope = root * (k + T(half_step_shift));
+    kappa = T(1) / (k + T(half_step_shift)), slope = sqrt(q * (k + T(half_step_shift))), root = slope * kappa;
   }
   template <class Table>
   T smooth(const Table& table) const {

@@ -22,7 +22,8 @@ def fresnel_dielectric(cosine: ArrayLike, eta: ArrayLike, *, out: Any = None, wh
     Parameters
     ----------
     cosine : array_like
-        Cosine c between the direction and the normal; its sign does not matter.
+        Cosine c between the direction and the normal, in [-1, 1] or up to 8 ulp beyond, which is 1; its
+        sign does not matter.
     eta : array_like
         Index of refraction behind the interface over that in front of it, in (0, inf).
     out, where
@@ -31,8 +32,8 @@ def fresnel_dielectric(cosine: ArrayLike, eta: ArrayLike, *, out: Any = None, wh
     Returns
     -------
     ndarray or scalar
-        In [0, 1]; 1 beyond the critical angle, exactly 0 for eta = 1 but at grazing incidence; nan where eta
-        lies outside its domain.
+        In [0, 1]; 1 beyond the critical angle, exactly 0 for eta = 1 but at grazing incidence; nan where an
+        argument lies outside its domain.
 
     References
     ----------
@@ -55,7 +56,8 @@ def fresnel_conductor(
     Parameters
     ----------
     cosine : array_like
-        Cosine between the direction and the normal; its sign does not matter.
+        Cosine between the direction and the normal, in [-1, 1] or up to 8 ulp beyond, which is 1; its
+        sign does not matter.
     eta, k : array_like
         Real and imaginary part of the metal's index of refraction over that of the medium in front of it, eta
         in (0, inf], k in [0, inf); eta = inf is a perfect mirror. Arrays of wavelengths broadcast.
@@ -65,7 +67,7 @@ def fresnel_conductor(
     Returns
     -------
     ndarray or scalar
-        In [0, 1]; nan where eta or k lies outside its domain.
+        In [0, 1]; nan where an argument lies outside its domain.
 
     References
     ----------

@@ -33,6 +33,7 @@ _kernels = import_module(f"{__name__}.{isa}")
 families = _kernels.families
 exp = _kernels.exp
 radial = _kernels.radial
+roughness = _kernels.roughness
 fresnel_dielectric = _kernels.fresnel_dielectric
 fresnel_conductor = _kernels.fresnel_conductor
 globals().update({name: getattr(_kernels, name) for name in families})

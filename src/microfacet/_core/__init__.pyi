@@ -12,6 +12,7 @@ k0: ModuleType
 bessel_k: ModuleType
 radial: ModuleType  # densities of the user's own, by handle
 families: tuple[str, ...]
+roughness: tuple[float, float]  # the open interval of alpha
 
 isa: str  # the build in use
 available: tuple[str, ...]  # the builds that this processor runs, the best one last

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+from microfacet import _core
 from microfacet._frozen import Distribution
 
 __all__ = ["Family", "Parameter", "describe"]
@@ -71,7 +71,7 @@ def describe(module: Any) -> Family:
         title=module.TEXT.title,
         cls=cls,
         kernels=module,
-        parameters=(Parameter("alpha", 0.0, math.inf), *own),
+        parameters=(Parameter("alpha", *_core.roughness), *own),
         sources=core.sources,
         anisotropic=core.shape_invariant,
     )

@@ -72,9 +72,9 @@ class Beckmann(StretchedDistribution):
     Parameters
     ----------
     alpha : float
-        Isotropic roughness, in (0, inf); or give both of
+        Isotropic roughness, in (1e-101, 1e101); or give both of
     alpha_x, alpha_y : float
-        Roughness along the two axes, in (0, inf).
+        Roughness along the two axes, in (1e-101, 1e101).
     rotation : float
         Angle of the first axis from +x (radians, counter-clockwise).
 

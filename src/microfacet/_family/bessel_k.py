@@ -29,7 +29,7 @@ TEXT = FamilyText(
     name="bessel_k",
     title="Bessel K",
     parameters={
-        "a": "Shape of the mixing distribution (dimensionless), in (0, inf); 1 is K0.",
+        "a": "Shape of the mixing distribution (dimensionless), in (1e-300, 1e100); 1 is K0.",
     },
     formulas={
         "D": (
@@ -81,13 +81,13 @@ class BesselK(StretchedDistribution):
     Parameters
     ----------
     alpha : float
-        Isotropic roughness, in (0, inf); or give both of
+        Isotropic roughness, in (1e-101, 1e101); or give both of
     alpha_x, alpha_y : float
-        Roughness along the two axes, in (0, inf).
+        Roughness along the two axes, in (1e-101, 1e101).
     rotation : float
         Angle of the first axis from +x (radians, counter-clockwise).
     a : float
-        Shape of the mixing distribution, in (0, inf); 1 is K0.
+        Shape of the mixing distribution, in (1e-300, 1e100); 1 is K0.
 
     Raises
     ------

@@ -29,7 +29,7 @@ TEXT = FamilyText(
     name="gtr",
     title="GTR",
     parameters={
-        "gamma": "Exponent (dimensionless), in (0, inf); 2 is GGX. gamma = 1, alpha = 1 are exact.",
+        "gamma": "Exponent (dimensionless), in (0, 1e100); 2 is GGX. gamma = 1, alpha = 1 are exact.",
     },
     formulas={
         "D": (
@@ -77,9 +77,9 @@ class GTR(IsotropicDistribution):
     Parameters
     ----------
     alpha : float
-        Roughness, in (0, inf); 1 is the sphere.
+        Roughness, in (1e-101, 1e101); 1 is the sphere.
     gamma : float
-        Exponent, in (0, inf); 2 is GGX.
+        Exponent, in (0, 1e100); 2 is GGX.
 
     Raises
     ------

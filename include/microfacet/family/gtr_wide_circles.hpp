@@ -1,0 +1,54 @@
+// Slope marginals of GTR (family/gtr_marginal.hpp) for alpha > 1 and large gamma, where survival is 1 to
+// rounding on all circles that reach hardly beyond the slope x: on one of radius r with L = log((alpha^2 +
+// r^2)/(1 + r^2)) it is 1 - exp(-|g| L). What lies beyond x on a circle has a closed form, of which the
+// marginals are means with the weight |g| exp(-|g| L): with rho^2 = r^2 - x^2,
+//
+//   slope_excess(x) = mean (rho - x acos(x/r))/pi,  slope_sf(x) = mean acos(x/r)/pi,  P2(x) = mean 1/(pi rho)
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "microfacet/core/gauss.hpp"
+#include "microfacet/core/math.hpp"
+
+namespace microfacet::detail {
+
+template <class T>
+class gtr_wide_circles {
+ public:
+  // amplitude^2 = x^2 + 1, span = alpha^2 - 1, rate = |g|.
+  gtr_wide_circles(const T& x, const T& amplitude, const T& span, const T& rate)
+      : x_(x), amplitude2_(square(amplitude)), span_(span), inverse_rate_(T(1) / rate) {}
+
+  // (1/pi) the mean of f(rho, acos(x/r)), by Gauss' rule in sqrt(|g| L), in which it is analytic.
+  template <class Function>
+  T mean(const Function& f) const {
+    static const gauss_legendre<single ? 14 : 28> rule;
+    constexpr double end = single ? 4.5 : 6.4;  // exp(-end^2) is nothing
+    T sum(0);
+    for (std::size_t i = 0; i < rule.nodes; ++i) {
+      const double s = 0.5 * end * (1 + rule.node[i]);
+      const double weight = end * rule.weight[i] * s * std::exp(-s * s) / pi;
+      const T rho2 = maximum(T(span_ / expm1(T(s * s) * inverse_rate_) - amplitude2_), smallest<T>());
+      const T rho = sqrt(rho2), r = sqrt(rho2 + x_ * x_);
+      sum = sum + T(weight) * f(rho, twice_arctangent(T(rho / (r + x_))));
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+
+  // 2 atan(t) for 0 <= t <= 1, by the series for a quarter of the angle.
+  static T twice_arctangent(const T& t) {
+    const T half = t / (T(1) + sqrt(T(1) + t * t)), y = half / (T(1) + sqrt(T(1) + half * half)), y2 = y * y;
+    T series(0);
+    for (int k = 25; k >= 1; k -= 2) series = T(1.0 / k) - y2 * series;
+    return T(8) * y * series;
+  }
+
+  T x_, amplitude2_, span_, inverse_rate_;
+};
+
+}  // namespace microfacet::detail
