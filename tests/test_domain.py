@@ -101,7 +101,7 @@ def test_any_numbers(family: Any, quantity: str, data: st.DataObject) -> None:
 @each_quantity
 @each_dtype
 def test_nan_in_any_argument(family: Any, quantity: str, dtype: type) -> None:
-    """Also where a branch would skip it: at the normal, on the horizon and below, at slope and xi 0, at inf."""
+    """Also where a branch would skip it: at the normal, on the horizon and below, at slope 0, xi 0, inf."""
     f = getattr(family.kernels, quantity)
     good = [dtype(x) for x in (0.3, 2.4)][: len(family.parameters)]
     if quantity in hostile.COSINES:

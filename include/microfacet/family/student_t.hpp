@@ -161,9 +161,10 @@ class student_t {
   }
   template <int Bias = 0, class Factor>
   T times_power(const slope<T>& t, const T& exponent, const Factor& factor) const {
-    const twofold<T> q = growth(t);
-    const T y = minimum(T(t.squared.high * inverse_k_.high), square(largest_slope<T>()));
-    return exp<Bias>(-(q * twofold<T>(exponent))) * factor(y, q.high);
+    const twofold<T> q = growth(t), y = t.squared * inverse_k_;
+    // Both parts, as q has them: beside an underflowing product `low` may be more than a rounding.
+    const T most = square(largest_slope<T>()), whole = select(y.high < most, T(y.high + y.low), most);
+    return exp<Bias>(-(q * twofold<T>(exponent))) * factor(whole, q.high);
   }
   // log A(t^2), also where t^2 is infinite.
   twofold<T> growth(const slope<T>& t) const {
