@@ -491,7 +491,7 @@ def test_options_are_explained(run: Run) -> None:
 
 
 def test_verify_refuses_what_its_checks_do_not_cover(run: Run) -> None:
-    result = run("verify", "--alpha", "1e300", "--family", "ggx")
+    result = run("verify", "--alpha", "1e50", "--family", "ggx")
     assert result.exit_code == 2
     assert "cover alpha in" in result.stderr
 

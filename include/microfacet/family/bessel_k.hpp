@@ -28,7 +28,7 @@ class bessel_k {
  public:
   using scalar = T;
   static constexpr std::string_view name = "bessel_k";
-  static constexpr std::array<parameter, 1> parameters{{{"a", 1e-300, 1e100, 1e-300}}};
+  static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, 1e100, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
   static constexpr bool native_float32 = false;
@@ -36,7 +36,8 @@ class bessel_k {
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   static bool sampling_fits_float32(double a) { return a >= 0.5; }
 
-  explicit bessel_k(const T& a) : a_(inside(parameters[0], a)) {}
+  // Below least_shape, where all is proportional to a, its powers would leave the range.
+  explicit bessel_k(const T& a) : a_(maximum(inside(parameters[0], a), T(least_shape))) {}
 
   T nothing() const { return T(0) * a_; }
   T P22(const twofold<T>& r2) const { return density(sqrt(r2), T(1)); }
@@ -109,6 +110,7 @@ class bessel_k {
     return select(y.high == T(0), select(finite, at_normal, T(at_normal * T(inf))), value);
   }
 
+  static constexpr double least_shape = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-30 : 1e-300;
   static constexpr double least_smooth = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-20 : 1e-190;
 
   T a_;

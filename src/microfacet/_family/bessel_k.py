@@ -29,7 +29,7 @@ TEXT = FamilyText(
     name="bessel_k",
     title="Bessel K",
     parameters={
-        "a": "Shape of the mixing distribution (dimensionless), in (1e-300, 1e100); 1 is K0.",
+        "a": "Shape of the mixing distribution (dimensionless), in (0, 1e100); 1 is K0, below 1e-300 it is 1e-300.",
     },
     formulas={
         "D": (
@@ -87,7 +87,7 @@ class BesselK(StretchedDistribution):
     rotation : float
         Angle of the first axis from +x (radians, counter-clockwise).
     a : float
-        Shape of the mixing distribution, in (1e-300, 1e100); 1 is K0.
+        Shape of the mixing distribution, in (0, 1e100); 1 is K0.
 
     Raises
     ------
