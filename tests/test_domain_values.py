@@ -97,6 +97,9 @@ def test_GTR_of_large_gamma() -> None:
             ):  # fmt: skip
                 truth = reference.value("gtr", quantity, y, alpha, gamma)
                 result = getattr(mf.gtr, quantity)(y, alpha, gamma)
+                if abs(truth) < 1e-300:
+                    assert abs(result) <= 1e-300
+                    continue
                 assert reference.relative_error(result, truth) < 1e-12, (quantity, y, alpha, gamma, result)
 
 

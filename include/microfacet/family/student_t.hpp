@@ -45,17 +45,19 @@ class student_t {
   T P22(const twofold<T>& r2) const { return power(r2, T(k_ + T(1))) * T(1 / pi); }
   // z^(2 gamma - 4) (z^2 + h2/k)^-gamma, in one exponent.
   MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
-    const T least = T(4) * sqrt(smallest<T>()), z = maximum(z_argument, least);
-    const twofold<T> z2 = exact_product(z, z), gamma = exact_sum(k_, T(1)), far = h2 * inverse_k_;
-    const auto grazing = (z_argument < least) | (far.high * T(1 / largest_ratio) > z2.high);
-    // Where z^2 is nothing beside the other term, and may underflow.
+    const T least(single ? 1e-13 : 1e-140), z = maximum(z_argument, least);
+    const twofold<T> z2 = exact_product(z, z), gamma = exact_sum(k_, T(1)), product = h2 * inverse_k_;
+    // Near the largest number a product is not split without overflow.
+    const twofold<T> steepness(product.high, select(product.high < T(largest_ratio), product.low, T(0)));
+    const auto grazing = (z_argument < least) | (steepness.high * T(1 / largest_ratio) > z2.high);
+    // Where z^2 is nothing beside the other term, and the rounding of z^2 underflows.
     const auto power_of_z = [&] {
       const T positive = select(grazing, maximum(z_argument, smallest<T>()), T(1));
-      return log_twofold(select(grazing, far, twofold<T>(T(1)))) * gamma +
+      return log_twofold(select(grazing, steepness, twofold<T>(T(1)))) * gamma +
              log_twofold(twofold<T>(positive)) * exact_sum(T(2), T(T(-2) * k_));
     };
     const auto in_one = [&] {
-      const twofold<T> exponent = log1p_twofold(quotient(far, z2)) * gamma, rest = log_twofold(z2);
+      const twofold<T> exponent = log1p_twofold(quotient(steepness, z2)) * gamma, rest = log_twofold(z2);
       const twofold<T> sum = exact_sum(exponent.high, T(T(2) * rest.high));
       return twofold<T>(sum.high, T(sum.low + (exponent.low + T(2) * rest.low)));
     };
@@ -176,8 +178,9 @@ class student_t {
         [&] { return log1p_twofold(t.squared * inverse_k_); });
   }
 
-  static constexpr double largest_ratio = sizeof(typename scalar_traits<T>::real) == 4 ? 1e30 : 1e290;
-  static constexpr double gaussian = sizeof(typename scalar_traits<T>::real) == 4 ? 1e15 : 1e30;
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+  static constexpr double largest_ratio = single ? 1e30 : 1e290;
+  static constexpr double gaussian = single ? 1e15 : 1e30;
 
   T k_, norm_;
   twofold<T> inverse_k_;
