@@ -45,7 +45,7 @@ class student_t {
   T P22(const twofold<T>& r2) const { return power(r2, T(k_ + T(1))) * T(1 / pi); }
   // z^(2 gamma - 4) (z^2 + h2/k)^-gamma, in one exponent.
   MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
-    const T least(single ? 1e-13 : 1e-140), z = maximum(z_argument, least);
+    const T least = T(single ? 1e-13 : 1e-140), z = maximum(z_argument, least);
     const twofold<T> z2 = exact_product(z, z), gamma = exact_sum(k_, T(1)), product = h2 * inverse_k_;
     // Near the largest number a product is not split without overflow.
     const twofold<T> steepness(product.high, select(product.high < T(largest_ratio), product.low, T(0)));

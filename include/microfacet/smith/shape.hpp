@@ -36,15 +36,19 @@ inline constexpr T largest_cosine = T(1) + 8 * std::numeric_limits<T>::epsilon()
 // A direction in the plane y = 0 by its cosine u in [-1, 1] alone; beyond largest_cosine its z is nan.
 template <class T>
 struct cosine {
-  twofold<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
   T z;
+  twofold<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
 
-  explicit cosine(const T& u) : cosine(u, T(minimum(maximum(u, T(-1)), T(1)))) {}
+  explicit cosine(const T& u)
+      : z(choose(
+            !(abs(u) <= T(1)), [&] { return rounded(u); }, [&] { return u; })),
+        sine2(one_minus(exact_product(z, z))) {}
 
  private:
-  cosine(const T& u, const T& bounded)
-      : sine2(one_minus(exact_product(bounded, bounded))),
-        z(where(abs(u) <= T(largest_cosine<typename scalar_traits<T>::real>), bounded)) {}
+  static T rounded(const T& u) {
+    const auto valid = abs(u) <= T(largest_cosine<typename scalar_traits<T>::real>);
+    return where(valid, minimum(maximum(u, T(-1)), T(1)));
+  }
   static twofold<T> one_minus(const twofold<T>& a) {
     const twofold<T> rest = exact_sum_of_ordered(T(1), T(-a.high));
     return exact_sum_of_ordered(rest.high, T(rest.low - a.low));
