@@ -18,6 +18,7 @@ rough_conductor::rough_conductor(const mi::Properties& properties) : rough_bsdf(
     k_ = properties.get_unbounded_texture<Texture>("k");
   } else if (material != "none") {
     try {
+      tabulated_ = true;
       std::tie(eta_, k_) = mi::complex_ior_from_file<Spectrum, Texture>(material);
     } catch (const std::exception&) {
       fail(properties, "\"material\" is \"%s\", which is none of Mitsuba's conductors", material);
@@ -28,6 +29,18 @@ rough_conductor::rough_conductor(const mi::Properties& properties) : rough_bsdf(
   m_flags = mi::BSDFFlags::GlossyReflection | mi::BSDFFlags::FrontSide;
   if (alpha_u_ != alpha_v_) m_flags = m_flags | mi::BSDFFlags::Anisotropic;
   m_components.assign(1, m_flags);
+  check_parameters();
+}
+
+void rough_conductor::check_parameters() const {
+  check_spectrum(plugin_, "eta", eta_.get(), tabulated_ ? indices_of_tables : indices);
+  check_spectrum(plugin_, "k", k_.get(), extinctions);
+  check_spectrum(plugin_, "specular_reflectance", specular_reflectance_.get(), factors);
+}
+
+void rough_conductor::parameters_changed(const std::vector<std::string>& keys) {
+  rough_bsdf::parameters_changed(keys);
+  check_parameters();
 }
 
 void rough_conductor::traverse(mi::TraversalCallback* callback) {
@@ -57,30 +70,27 @@ conductor_facets rough_conductor::facets_at(const Interaction& si, const roughne
   conductor_facets facets(*distribution_, r);
   facets.mirror = !eta_;
   if (eta_) {
-    facets.eta = maximum(Unpolarized(eta_->eval(si, active)), Unpolarized(1e-6F));
-    facets.k = k_->eval(si, active);
+    facets.eta = bounded(Unpolarized(eta_->eval(si, active)), 1e-6F, indices.upper);
+    facets.k = bounded(Unpolarized(k_->eval(si, active)), extinctions.lower, extinctions.upper);
   }
-  if (specular_reflectance_) facets.tint = specular_reflectance_->eval(si, active);
+  if (specular_reflectance_)
+    facets.tint = bounded(Unpolarized(specular_reflectance_->eval(si, active)), 0.F, 1.F);
   return facets;
 }
 
-Spectrum rough_conductor::reflectance(const mi::BSDFContext& context, const Interaction& si,
-                                      const Vector3& wo, const vec3<Float>& m,
-                                      const conductor_facets& facets) {
+Spectrum rough_conductor::polarised(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                                    const vec3<Float>& m, const conductor_facets& facets,
+                                    const Unpolarized& value) {
   return [&]<class Result>(Result) -> Result {
     if constexpr (mi::is_polarized_v<Result>) {
-      const Result tint = mi::depolarizer<Result>(facets.tint);
-      if (facets.mirror) return tint;
-      return polarised_by_conductor<Result>({context, si, wo}, local(m), facets.eta, facets.k) * tint;
+      const light_path path(context, si, wo);
+      return (facets.mirror ? polarised_by_mirror<Result>(path, local(m))
+                            : polarised_by_conductor<Result>(path, local(m), facets.eta, facets.k)) *
+             value;
     } else {
-      return facets.reflectance(Float(dr::dot(si.wi, local(m))));
+      return value;
     }
   }(Spectrum(0.F));
-}
-
-void rough_conductor::refuse(const roughness& r, const conductor_facets& facets) const {
-  refuse_gradients(r.u, r.v, facets.eta, facets.k, facets.tint);
-  if (distribution_->differentiated()) refuse_gradients_of_walks();
 }
 
 Float rough_conductor::guide(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo) const {
@@ -104,9 +114,10 @@ std::pair<Spectrum, Float> rough_conductor::eval_pdf(const mi::BSDFContext& cont
   const facet_statistics<Float> at = statistics(r, wi, wo, m);
   Float pdf = pdf_of_mirrors(at);
   const Float leaving = pdf * shadowing<false>(wi.z, wo.z, at, correlated_);
-  Spectrum value = reflectance(context, si, wo_, m, facets) * select(active, leaving, Float(0));
+  const Unpolarized first = facets.reflectance(dot(wi, m)) * select(active, leaving, Float(0));
+  Spectrum value = polarised(context, si, wo_, m, facets, first);
   if (multiple_) {
-    refuse(r, facets);
+    refuse_gradients(r, facets.eta, facets.k, facets.tint);
     const walk_seed seed = walk_seed::of(wi.x, wi.y, wi.z, wo.x, wo.y, wo.z, si.p.x(), si.p.y());
     value += depolarised(facet_walk(*distribution_, r, facets, seed).rest(wi, wo, active));
     pdf = guide(wo.z, pdf);
@@ -126,13 +137,15 @@ std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& conte
   result.eta = 1.F, result.sampled_component = 0;
   result.sampled_type = UInt32(+mi::BSDFFlags::GlossyReflection);
   if (multiple_) {
-    refuse(r, facets);
+    refuse_gradients(r, facets.eta, facets.k, facets.tint);
     const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
-    const auto [wo, left] = facet_walk(*distribution_, r, facets, seed).sample(wi, active);
+    const auto [wo, left, once] = facet_walk(*distribution_, r, facets, seed).sample(wi, active);
     active &= wo.z > Float(0);
     result.wo = dr::select(active, local(wo), dr::zeros<Vector3>());
     result.pdf = select(active, guide(r, wi, wo), Float(0));
-    return {result, depolarised(left) & active & (result.pdf > Float(0))};
+    // Only the first order keeps its polarisation, as in eval.
+    const Spectrum first = polarised(context, si, result.wo, reflecting_facet(wi, wo), facets, left);
+    return {result, dr::select(once, first, depolarised(left)) & active & (result.pdf > Float(0))};
   }
   const vec3<Float> m = visible(r, wi, sample2), wo = reflect(wi, m);
   const facet_statistics<Float> at = statistics(r, wi, wo, m);
@@ -144,7 +157,22 @@ std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& conte
   // What has no weight has no direction either, where one may be no number.
   result.wo = dr::select(active, local(wo), dr::zeros<Vector3>());
   result.pdf = select(active, dr::detach(pdf), Float(0));
-  return {result, reflectance(context, si, result.wo, m, facets) * select(active, weight, Float(0)) & active};
+  const Unpolarized left = facets.reflectance(dot(wi, m)) * select(active, weight, Float(0));
+  return {result, polarised(context, si, result.wo, m, facets, left) & active};
+}
+
+Spectrum rough_conductor::eval_diffuse_reflectance(const Interaction& si, Mask active) const {
+  const dr::suspend_grad<Float> no_gradients;
+  const vec3<Float> wi = local(si.wi);
+  active &= wi.z > Float(0);
+  const roughness r = roughness_at(si, active);
+  const conductor_facets facets = facets_at(si, r, active);
+  const Float area = distribution_->sigma(r, wi);
+  return depolarised(mean_of_draws(si, active, [&](const draw& xi) {
+    if (multiple_) return facet_walk(*distribution_, r, facets, xi.seed()).sample(wi, active).left;
+    const vec3<Float> m = distribution_->sample_visible(r, wi, xi.facet), wo = reflect(wi, m);
+    return facets.reflectance(dot(wi, m)) * leaving_share<false>(r, wi, wo, area);
+  }));
 }
 
 }  // namespace microfacet::plugin

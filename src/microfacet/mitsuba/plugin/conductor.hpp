@@ -1,6 +1,7 @@
 // The BSDF microfacet_conductor.
 #pragma once
 
+#include "albedo.hpp"
 #include "rough_bsdf.hpp"
 #include "walk.hpp"
 
@@ -32,24 +33,27 @@ class rough_conductor final : public rough_bsdf {
 
   explicit rough_conductor(const mi::Properties& properties);
   void traverse(mi::TraversalCallback* callback) override;
+  void parameters_changed(const std::vector<std::string>& keys = {}) override;
 
   std::pair<Sample, Spectrum> sample(const mi::BSDFContext& context, const Interaction& si, Float sample1,
                                      const Point2& sample2, Mask active) const override;
   std::pair<Spectrum, Float> eval_pdf(const mi::BSDFContext& context, const Interaction& si,
                                       const Vector3& wo, Mask active) const override;
+  Spectrum eval_diffuse_reflectance(const Interaction& si, Mask active) const override;
 
  private:
+  void check_parameters() const;
   conductor_facets facets_at(const Interaction& si, const roughness& r, const Mask& active) const;
   // The density by which directions are weighed beside other strategies: not that of the walk, which has no
   // closed form, but one of like shape.
   static Float guide(const Float& wo_z, const Float& first_order);
   Float guide(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo) const;
-  void refuse(const roughness& r, const conductor_facets& facets) const;
-  // Fresnel's reflection of a facet, as a Mueller matrix where light is polarised.
-  static Spectrum reflectance(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                              const vec3<Float>& m, const conductor_facets& facets);
+  // Light that a facet reflects, as a Mueller matrix where light is polarised.
+  static Spectrum polarised(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                            const vec3<Float>& m, const conductor_facets& facets, const Unpolarized& value);
 
   mi::ref<Texture> eta_, k_, specular_reflectance_;  // a perfect mirror has no eta
+  bool tabulated_ = false;                           // by Mitsuba, where some tables have zeros
 
   MI_TRAVERSE_CB(rough_bsdf, eta_, k_, specular_reflectance_)
 };

@@ -37,6 +37,20 @@ rough_dielectric::rough_dielectric(const mi::Properties& properties) : rough_bsd
   m_components = {common | +mi::BSDFFlags::GlossyReflection,
                   common | +mi::BSDFFlags::GlossyTransmission | +mi::BSDFFlags::NonSymmetric};
   m_flags = m_components[0] | m_components[1];
+  check_parameters();
+}
+
+void rough_dielectric::check_parameters() const {
+  check(plugin_, "eta", eta_, relative_indices);
+  if (number(eta_) == 1.F)
+    throw std::runtime_error(plugin_ + ": \"eta\" is 1: such an interface deflects nothing");
+  check_spectrum(plugin_, "specular_reflectance", specular_reflectance_.get(), factors);
+  check_spectrum(plugin_, "specular_transmittance", specular_transmittance_.get(), factors);
+}
+
+void rough_dielectric::parameters_changed(const std::vector<std::string>& keys) {
+  rough_bsdf::parameters_changed(keys);
+  check_parameters();
 }
 
 void rough_dielectric::traverse(mi::TraversalCallback* callback) {
@@ -79,7 +93,7 @@ Float rough_dielectric::leaving(const mi::BSDFContext& context, const meeting& a
 facet_event dielectric_facets::scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask& below,
                                        const Float& xi) const {
   const scattered<Float> s = material_.turned_over(below).scatter(back, m, xi, xi);
-  return {s.w, s.passed, dr::select(s.passed, passed_tint, mirrored_tint) * s.weight};
+  return {s.w, s.passed, tint(s.passed) * s.weight};
 }
 Unpolarized dielectric_facets::phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
                                      const Float& area) const {
@@ -87,14 +101,16 @@ Unpolarized dielectric_facets::phase(const vec3<Float>& back, const vec3<Float>&
   const vec3<Float> m = material.facet(back, side);
   const Float sent =
       material.phase(back, side, m, {normals_.D(roughness_, m, resolution_of(back, m)), area, Float(0)});
-  return dr::select(side.z > Float(0), mirrored_tint, passed_tint) * sent;
+  return tint(side.z <= Float(0)) * sent;
 }
 
 dielectric_facets rough_dielectric::facets_at(const Interaction& si, const roughness& r, const meeting& at,
                                               const Mask& active) const {
   dielectric_facets facets(*distribution_, r, at.material);
-  if (specular_reflectance_) facets.mirrored_tint = specular_reflectance_->eval(si, active);
-  if (specular_transmittance_) facets.passed_tint = specular_transmittance_->eval(si, active);
+  if (specular_reflectance_)
+    facets.mirrored_tint = bounded(Unpolarized(specular_reflectance_->eval(si, active)), 0.F, 1.F);
+  if (specular_transmittance_)
+    facets.passed_tint = bounded(Unpolarized(specular_transmittance_->eval(si, active)), 0.F, 1.F);
   return facets;
 }
 
@@ -103,28 +119,17 @@ Float rough_dielectric::guide(const Float& wo_z, const Float& first_order) {
   return (first_order + Float(0.5F * diffuse / pi) * abs(wo_z)) * Float(1 / (1 + diffuse));
 }
 
-void rough_dielectric::refuse(const roughness& r, const dielectric_facets& facets) const {
-  refuse_gradients(r.u, r.v, eta_, facets.mirrored_tint, facets.passed_tint);
-  if (distribution_->differentiated()) refuse_gradients_of_walks();
-}
-
-Spectrum rough_dielectric::tint(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                                const meeting& at, const vec3<Float>& m, const Mask& active) const {
-  Spectrum result(1.F);
-  const auto reflected = at.wo.z > Float(0);
-  const auto polarise = [&]<class Result>(Result& matrix) {
-    if constexpr (mi::is_polarized_v<Result>)
-      matrix = polarised_by_dielectric<Result>({context, si, wo}, local(scaled(m, at.turned)), eta_,
-                                               at.material.reflectance(dot(at.wi, m)), reflected);
-  };
-  polarise(result);
-  const auto tinted = [&](const mi::ref<Texture>& texture, const auto& where) {
-    if (texture)
-      result *= mi::depolarizer<Spectrum>(select(where, texture->eval(si, active & where), Unpolarized(1.F)));
-  };
-  tinted(specular_reflectance_, reflected);
-  tinted(specular_transmittance_, !reflected);
-  return result;
+Spectrum rough_dielectric::polarised(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                                     const meeting& at, const vec3<Float>& m,
+                                     const Unpolarized& value) const {
+  return [&]<class Result>(Result) -> Result {
+    if constexpr (mi::is_polarized_v<Result>) {
+      // Turning over leaves m as it is: from wi's side of the facet, now above, to the true upper side.
+      return polarised_by_dielectric<Result>({context, si, wo}, local(m), eta_, at.wo.z > Float(0)) * value;
+    } else {
+      return value;
+    }
+  }(Spectrum(0.F));
 }
 
 std::pair<Spectrum, Float> rough_dielectric::eval_pdf(const mi::BSDFContext& context, const Interaction& si,
@@ -141,10 +146,11 @@ std::pair<Spectrum, Float> rough_dielectric::eval_pdf(const mi::BSDFContext& con
   const Float drawn = at.material.phase(at.wi, at.wo, m, facets),
               value = drawn * leaving(context, at, facets);
   Float pdf = wanted.both() ? drawn : density(at, m, facets, wanted);
-  Spectrum result = tint(context, si, wo_, at, m, active) * select(active, value, Float(0));
+  const dielectric_facets walls = facets_at(si, r, at, active);
+  Spectrum result =
+      polarised(context, si, wo_, at, m, walls.tint(at.wo.z < Float(0)) * select(active, value, Float(0)));
   if (multiple_) {
-    const dielectric_facets walls = facets_at(si, r, at, active);
-    refuse(r, walls);
+    refuse_gradients(r, eta_, walls.mirrored_tint, walls.passed_tint);
     const walk_seed seed =
         walk_seed::of(at.wi.x, at.wi.y, si.wi.z(), at.wo.x, at.wo.y, at.wo.z, si.p.x(), si.p.y());
     const Unpolarized rest = facet_walk(*distribution_, r, walls, seed).rest(at.wi, at.wo, active);
@@ -190,7 +196,8 @@ std::pair<Sample, Spectrum> rough_dielectric::sample(const mi::BSDFContext& cont
   result.sampled_component = dr::select(passed, UInt32(1), UInt32(0));
   result.sampled_type = dr::select(passed, UInt32(+mi::BSDFFlags::GlossyTransmission),
                                    UInt32(+mi::BSDFFlags::GlossyReflection));
-  return {result, tint(context, si, result.wo, at, m, active) * select(active, weight, Float(0)) & active};
+  const Unpolarized left = facets_at(si, r, at, active).tint(passed) * select(active, weight, Float(0));
+  return {result, polarised(context, si, result.wo, at, m, left) & active};
 }
 
 std::pair<Sample, Spectrum> rough_dielectric::walk(const mi::BSDFContext& context, const Interaction& si,
@@ -200,9 +207,9 @@ std::pair<Sample, Spectrum> rough_dielectric::walk(const mi::BSDFContext& contex
   const roughness r = roughness_at(si, active_);
   meeting at(*this, local(si.wi), local(si.wi));
   const dielectric_facets walls = facets_at(si, r, at, active_);
-  refuse(r, walls);
+  refuse_gradients(r, eta_, walls.mirrored_tint, walls.passed_tint);
   const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
-  const auto [wo, left] = facet_walk(*distribution_, r, walls, seed).sample(at.wi, active_);
+  const auto [wo, left, once] = facet_walk(*distribution_, r, walls, seed).sample(at.wi, active_);
   at.wo = wo;
   const auto crossed = wo.z < Float(0);
   Mask active = active_ & (wo.z != Float(0));
@@ -217,7 +224,29 @@ std::pair<Sample, Spectrum> rough_dielectric::walk(const mi::BSDFContext& contex
   result.sampled_component = dr::select(crossed, UInt32(1), UInt32(0));
   result.sampled_type = dr::select(crossed, UInt32(+mi::BSDFFlags::GlossyTransmission),
                                    UInt32(+mi::BSDFFlags::GlossyReflection));
-  return {result, depolarised(left * radiance_scale(context, at)) & active};
+  // Only the first order keeps its polarisation, as in eval.
+  const Unpolarized weight = left * radiance_scale(context, at);
+  const Spectrum first = polarised(context, si, result.wo, at, m, weight);
+  return {result, dr::select(once, first, depolarised(weight)) & active};
+}
+
+Spectrum rough_dielectric::eval_diffuse_reflectance(const Interaction& si, Mask active) const {
+  const dr::suspend_grad<Float> no_gradients;
+  active &= si.wi.z() != Float(0);
+  const roughness r = roughness_at(si, active);
+  const meeting at(*this, local(si.wi), local(si.wi));
+  const dielectric_facets walls = facets_at(si, r, at, active);
+  const Float area = distribution_->sigma(r, at.wi);
+  return depolarised(mean_of_draws(si, active, [&](const draw& xi) {
+    if (multiple_) return facet_walk(*distribution_, r, walls, xi.seed()).sample(at.wi, active).left;
+    const vec3<Float> m = distribution_->sample_visible(r, at.wi, xi.facet);
+    const Float share = at.material.reflectance(dot(at.wi, m));
+    const scattered<Float> passed = at.material.scatter(at.wi, m, Float(2), Float(2));
+    return Unpolarized(
+        walls.mirrored_tint * (share * leaving_share<true>(r, at.wi, reflect(at.wi, m), area)) +
+        walls.passed_tint *
+            ((Float(1) - share) * leaving_share<true>(r, at.wi, passed.w, area, passed.passed)));
+  }));
 }
 
 }  // namespace microfacet::plugin

@@ -1,6 +1,7 @@
 // The BSDF microfacet_dielectric.
 #pragma once
 
+#include "albedo.hpp"
 #include "microfacet/bsdf/dielectric.hpp"
 #include "rough_bsdf.hpp"
 #include "walk.hpp"
@@ -17,6 +18,7 @@ class dielectric_facets {
                       const Float& xi) const;
   Unpolarized phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
                     const Float& area) const;
+  Unpolarized tint(const Mask& passed) const { return dr::select(passed, passed_tint, mirrored_tint); }
 
   Unpolarized mirrored_tint = Unpolarized(1.F), passed_tint = Unpolarized(1.F);
 
@@ -33,13 +35,16 @@ class rough_dielectric final : public rough_bsdf {
 
   explicit rough_dielectric(const mi::Properties& properties);
   void traverse(mi::TraversalCallback* callback) override;
+  void parameters_changed(const std::vector<std::string>& keys = {}) override;
 
   std::pair<Sample, Spectrum> sample(const mi::BSDFContext& context, const Interaction& si, Float sample1,
                                      const Point2& sample2, Mask active) const override;
   std::pair<Spectrum, Float> eval_pdf(const mi::BSDFContext& context, const Interaction& si,
                                       const Vector3& wo, Mask active) const override;
+  Spectrum eval_diffuse_reflectance(const Interaction& si, Mask active) const override;
 
  private:
+  void check_parameters() const;
   // Which of its two components a context wants.
   struct components {
     bool reflection, transmission;
@@ -67,12 +72,11 @@ class rough_dielectric final : public rough_bsdf {
                               const Mask& active) const;
   // As rough_conductor's.
   static Float guide(const Float& wo_z, const Float& first_order);
-  void refuse(const roughness& r, const dielectric_facets& facets) const;
   std::pair<Sample, Spectrum> walk(const mi::BSDFContext& context, const Interaction& si,
                                    const Float& sample1, const Point2& sample2, const Mask& active) const;
-  // What depends on wavelength, as a Mueller matrix where light is polarised, over Fresnel's share.
-  Spectrum tint(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo, const meeting& at,
-                const vec3<Float>& m, const Mask& active) const;
+  // Light that a facet sends to wo, as a Mueller matrix where light is polarised.
+  Spectrum polarised(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
+                     const meeting& at, const vec3<Float>& m, const Unpolarized& value) const;
 
   Float eta_ = Float(1);  // below the surface over above
   mi::ref<Texture> specular_reflectance_, specular_transmittance_;

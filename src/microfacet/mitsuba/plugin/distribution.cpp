@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "domain.hpp"
 #include "traced_families.hpp"
 #include "traced_tables.hpp"
 
@@ -27,16 +28,7 @@ template <class... Arguments>
 template <class Use>
 auto with_shape(const roughness& r, const Use& use) {
   return r.isotropic ? use(isotropic_shape<Float>(r.u))
-                     : use(anisotropic_shape<Float>(r.u, r.v, Float(1), Float(0)));
-}
-
-template <class R>
-float number(const R& x) {
-  if constexpr (drjit::is_jit_v<R>) {
-    return drjit::slice<float>(drjit::detach(x), 0);
-  } else {
-    return x;
-  }
+                     : use(anisotropic_shape<Float>(r.u, r.v, r.cosine, r.sine));
 }
 
 template <class Family>

@@ -14,10 +14,11 @@
 
 namespace microfacet::plugin {
 
-// Along the tangent and across it, in slope units.
+// Along the tangent and across it, in slope units; both turned counter-clockwise by an angle.
 struct roughness {
   Float u, v;
   bool isotropic;
+  Float cosine = Float(1), sine = Float(0);  // of that angle
 };
 
 class distribution : public mitsuba::Object {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "distribution.hpp"
+#include "domain.hpp"
 #include "microfacet/bsdf/geometry.hpp"
 #include "microfacet/bsdf/masking.hpp"
 #include "variant.hpp"
@@ -23,7 +24,6 @@ namespace dr = drjit;
 namespace mi = mitsuba;
 
 using Base = mi::BSDF<Float, Spectrum>;
-using Texture = mi::Texture<Float, Spectrum>;
 using Interaction = mi::SurfaceInteraction<Float, Spectrum>;
 using Sample = mi::BSDFSample3<Float, Spectrum>;
 using Mask = dr::mask_t<Float>;
@@ -75,23 +75,38 @@ class rough_bsdf : public Base {
   // Density at m, area of the facets that wi sees, and that in the way of wo on either side.
   facet_statistics<Float> statistics(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo,
                                      const vec3<Float>& m) const;
+  // Of light that a facet sends to wo, the part that leaves there: 0 where wo is not on the side it has to
+  // be.
+  template <bool Transmits>
+  Float leaving_share(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo, const Float& area,
+                      const Mask& passed = Mask(false)) const {
+    const Float side = select(passed, Float(-1), Float(1));
+    const Float blocking = distribution_->sigma(r, scaled(wo, Float(-side)));
+    const Float share = shadowing<Transmits>(wi.z, wo.z, {Float(0), area, blocking}, correlated_);
+    return select((wo.z * side > Float(0)) & (share > Float(0)), share, Float(0));
+  }
   // A normal that wi sees, from the two uniform numbers of a sample and more that are made of their bits.
   vec3<Float> visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const;
   // Walks cannot be differentiated: says so rather than leaving their part out.
-  [[noreturn]] static void refuse_gradients_of_walks();
   template <class... Values>
-  static void refuse_gradients(const Values&... values) {
-    if ((dr::grad_enabled(values) || ...)) refuse_gradients_of_walks();
+  void refuse_gradients(const roughness& r, const Values&... values) const {
+    if (differentiated(r) || (dr::grad_enabled(values) || ...))
+      throw std::runtime_error(
+          plugin_ + ": scattering = multiple cannot be differentiated; use single, or detach the parameters");
   }
   static Spectrum depolarised(const Unpolarized& value) { return mi::depolarizer<Spectrum>(Spectrum(value)); }
   // Whether the value of a sample has to be differentiated.
   bool differentiated(const roughness& r) const;
 
+  std::string plugin_;
   mi::ref<distribution> distribution_;
-  mi::ref<Texture> alpha_u_, alpha_v_;
+  mi::ref<Texture> alpha_u_, alpha_v_, rotation_;  // no rotation is none
   bool correlated_ = true, multiple_ = false;
 
-  MI_TRAVERSE_CB(Base, distribution_, alpha_u_, alpha_v_)
+ private:
+  void take_roughness();
+
+  MI_TRAVERSE_CB(Base, distribution_, alpha_u_, alpha_v_, rotation_)
 };
 
 }  // namespace microfacet::plugin

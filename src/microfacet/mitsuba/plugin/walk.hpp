@@ -6,7 +6,6 @@
 
 #include <array>
 #include <tuple>
-#include <utility>
 
 #include "microfacet/bsdf/random_walk.hpp"
 #include "rough_bsdf.hpp"
@@ -45,11 +44,19 @@ class facet_walk {
   facet_walk(const distribution& normals, const roughness& r, const Facets& facets, const walk_seed& seed)
       : normals_(normals), roughness_(r), facets_(facets), seed_(seed) {}
 
-  // Where light from wi leaves, in coordinates in which wi is above, and what is left of it.
-  std::pair<vec3<Float>, Unpolarized> sample(const vec3<Float>& wi, const Mask& active) const {
+  // Where light from wi leaves, in coordinates in which wi is above, what is left of it, and whether it met
+  // one facet alone.
+  struct end_of_walk {
+    vec3<Float> wo;
+    Unpolarized left;
+    Mask once;
+  };
+  end_of_walk sample(const vec3<Float>& wi, const Mask& active) const {
     const state end = run(start(wi, active), [](state&, const vec3<Float>&, const Float&) {});
     const Float turned = select(end.below, Float(-1), Float(1));
-    return {scaled(local(end.w), turned), end.throughput & (end.depth < Float(0)) & active};
+    // The step on which it leaves counts, too.
+    return {scaled(local(end.w), turned), end.throughput & (end.depth < Float(0)) & active,
+            end.met == UInt32(2)};
   }
 
   // f |cos wo| of the second order and above, by one walk.
