@@ -11,9 +11,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +24,7 @@ import microfacet as mf
 from microfacet._core.processor import instruction_sets
 from microfacet._optional import installed
 from microfacet.mitsuba import _cache, _check
+from microfacet.mitsuba._progress import tell
 
 __all__ = ["Compiler", "compile_flags", "find_compiler", "key", "library"]
 
@@ -146,9 +146,12 @@ def library(variant: str) -> Path:
         with _cache.locked(variant) as folder:
             objection = _cache.read_record(path)  # another process may have been quicker
             if objection is None:
-                with _told(f"Compiling the Mitsuba plugins for {variant}: once, for some seconds"):
-                    _compile(compiler, variant, path)
-                    objection = _check.objection(path, variant, compiler.command[0])
+                begin = time.monotonic()
+                tell(f"compiling the Mitsuba plugins for {variant} (once, about 20 s of processor time)")
+                _compile(compiler, variant, path)
+                tell(f"comparing the plugins for {variant} with Mitsuba's own")
+                objection = _check.objection(path, variant, compiler.command[0])
+                tell(f"the plugins for {variant} took {time.monotonic() - begin:.0f} s; {folder} keeps them")
                 _cache.write_record(path, objection)
                 _cache.prune(folder)
     if objection:
@@ -168,7 +171,10 @@ def _compile(compiler: Compiler, variant: str, target: Path) -> None:
             _run(compiler, arguments, f"compile {source.name} for {variant}")
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            list(pool.map(compile_one, sources, objects))
+            jobs = [pool.submit(compile_one, *each) for each in zip(sources, objects, strict=True)]
+            for number, job in enumerate(as_completed(jobs), 1):
+                job.result()
+                tell(f"  {number} of {len(jobs)} sources compiled")
         linked = Path(scratch) / target.name
         arguments = [*map(str, objects), *link_flags(), "-o", str(linked)]
         _run(compiler, arguments, f"link the plugins for {variant}")
@@ -184,15 +190,3 @@ def _run(compiler: Compiler, arguments: list[str], what: str) -> None:
         errors = [line for line in lines if "error" in line or "undefined" in line]
         said = "\n".join((errors or lines)[-5:]) or f"status {done.returncode}"
         raise ImportError(f"{shlex.join(compiler.command)} could not {what}: {said}")
-
-
-@contextmanager
-def _told(what: str) -> Iterator[None]:
-    """A line on stderr for as long as it takes, where stderr is a terminal and rich is there."""
-    if not (sys.stderr.isatty() and installed("rich")):
-        yield
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status(what):
-        yield
