@@ -123,6 +123,7 @@ def test_what_is_allowed_is_not_refused(variant: str) -> None:
     """The ends of all domains, all metals that Mitsuba knows, and spectra that end within what is seen."""
     code = """
 from pathlib import Path
+mi.set_log_level(mi.LogLevel.Error)  # warnings go to stdout, too
 C, D = "microfacet_conductor", "microfacet_dielectric"
 given = [
     {"type": C, "alpha": 1e4}, {"type": C, "alpha": 1e-30}, {"type": C, "alpha": 1},
@@ -200,6 +201,38 @@ def test_metals_and_glass_at_the_ends_give_numbers(family: str, tmp_path: Path) 
     for answer in mitsuba_answers.ask(queries, "llvm_ad_rgb", tmp_path, **INPUTS).values():
         for quantity in ("eval", "pdf", "weight", "sample_pdf", "wo"):
             assert np.all(np.isfinite(answer[quantity]))
+
+
+def test_samples_close_to_index_1_have_values(tmp_path: Path) -> None:
+    """Down to the last number above and below it, and of indices far from it."""
+    plain = {"type": DIELECTRIC, "alpha": 0.3}
+    indices = (1.0 + 2.0**-23, 1.0 - 2.0**-24, 1.0 + 1e-5, 1.01, 9e3, 1e-4, 3e-8)
+    queries = {f"{eta}": {"bsdf": plain, "set": {"eta": eta}} for eta in indices}
+    around = {**INPUTS, "wi": directions(N, 45).astype(np.float32)}
+    for answer in mitsuba_answers.ask(queries, "llvm_ad_rgb", tmp_path, **around).values():
+        for quantity in ("eval", "pdf", "weight", "sample_pdf", "eval_at", "pdf_at"):
+            assert np.all(np.isfinite(answer[quantity]))
+        assert np.mean(answer["weight"][:, 0] > 0.0) > 0.9
+
+
+def test_a_frozen_function_may_change_parameters() -> None:
+    """Dr.Jit records those, and then no value may be read."""
+    code = """
+import drjit as dr
+bsdf = mi.load_dict({"type": "microfacet_conductor", "alpha": 0.3})
+parameters = mi.traverse(bsdf)
+@dr.freeze
+def value(alpha, wi):
+    parameters["alpha.value"] = alpha
+    parameters.update()
+    si = dr.zeros(mi.SurfaceInteraction3f, 1)
+    si.wi = wi
+    return bsdf.eval(mi.BSDFContext(), si, wi)
+values = [value(mi.Float(alpha), mi.Vector3f(0, 0, 1))[0][0] for alpha in (0.2, 0.3, 0.5)]
+print(*(4 * v * a * a * 3.14159265 for v, a in zip(values, (0.2, 0.3, 0.5))))
+"""
+    found = [float(word) for word in mitsuba_process.run(code, "llvm_ad_rgb").split()]
+    np.testing.assert_allclose(found, 1.0, rtol=1e-5)
 
 
 def test_gradients_of_walks_are_refused_by_name() -> None:

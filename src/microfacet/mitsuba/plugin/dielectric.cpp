@@ -145,6 +145,7 @@ std::pair<Spectrum, Float> rough_dielectric::eval_pdf(const mi::BSDFContext& con
   const facet_statistics<Float> facets = statistics(r, at.wi, at.wo, m);
   const Float drawn = at.material.phase(at.wi, at.wo, m, facets),
               value = drawn * leaving(context, at, facets);
+  active &= drawn < Float(inf);  // close to index 1 a density may be no number
   Float pdf = wanted.both() ? drawn : density(at, m, facets, wanted);
   const dielectric_facets walls = facets_at(si, r, at, active);
   Spectrum result =
