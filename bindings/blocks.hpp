@@ -67,6 +67,7 @@ void scatter(const buffer<From>& source, char* target, std::ptrdiff_t stride, st
 struct block_plan {
   std::size_t values, inputs, outputs;
   bool wide_parameters;
+  std::size_t uniforms = 0;
   bool of_cosine = false;  // the first value is a cosine
 };
 

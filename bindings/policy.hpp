@@ -131,7 +131,7 @@ constexpr std::size_t uniforms_of() {
 template <class Model, class Operation, bool WideParameters>
 inline constexpr operation_kernels kernels_of_operation{
     {Operation::shape.inputs, Operation::shape.inputs + Model::count, Operation::shape.outputs,
-     WideParameters, policy<Model, Operation>::of_cosine},
+     WideParameters, uniforms_of<Operation>(), policy<Model, Operation>::of_cosine},
     Operation::needs,
     policy<Model, Operation>::samples_visible,
     kernels_of<Model, Operation, !WideParameters, float>(),

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <string_view>
 #include <unordered_map>
 
@@ -124,14 +125,15 @@ inline auto python_function(PyObject* function) {
 // (capsule, handle): the entry lives as long as the capsule.
 inline PyObject* registered(std::shared_ptr<radial_entry> entry) {
   entry->narrow.build(sampled_view<double>(entry->wide));
-  auto* handle = new double(registry.add(std::move(entry)));
-  PyObject* capsule = PyCapsule_New(handle, "microfacet.radial", [](PyObject* c) {
+  auto handle = std::make_unique<double>();
+  *handle = registry.add(std::move(entry));
+  PyObject* capsule = PyCapsule_New(handle.get(), "microfacet.radial", [](PyObject* c) {
     auto* named = static_cast<double*>(PyCapsule_GetPointer(c, "microfacet.radial"));
     registry.remove(*named);
     delete named;
   });
   if (capsule == nullptr) {
-    radial_registry::instance().remove(*handle);
+    registry.remove(*handle);
     return nullptr;
   }
   return Py_BuildValue("(Nd)", capsule, *handle.release());

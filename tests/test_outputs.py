@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from limits import HANG
 from microfacet._files import replacing
 from microfacet._report import _content, _page
 from microfacet._report.fit import _content as _fit_content
@@ -155,13 +156,18 @@ def test_standard_output(path: str, how: str) -> None:
     Path("normals.csv").write_text("before\n")
     options = ["--alpha", "0.3", "-n", "3", "-o", "link.csv", "--json"]
     with open("normals.csv", how) as stream:
-        subprocess.run(
-            [sys.executable, "-m", "microfacet.cli", "sample", "ggx", *options], stdout=stream, check=True
+        done = subprocess.run(
+            [sys.executable, "-m", "microfacet.cli", "sample", "ggx", *options],
+            stdout=stream,
+            stderr=subprocess.PIPE,
+            check=True,
+            timeout=HANG,
         )
-    first, *lines, summary = Path("normals.csv").read_text().splitlines()
+    first, *lines = Path("normals.csv").read_text().splitlines()
+    summary = done.stderr
     assert first == ("x,y,z" if how == "wb" else "before")
     assert len(lines) == (3 if how == "wb" else 4)
-    assert summary.startswith("{")
+    assert summary.startswith(b"{")
 
 
 def test_a_page_to_standard_output() -> None:
@@ -302,3 +308,23 @@ def test_where_no_file_can_be(path: str) -> None:
         stream.write(b"x")
     assert ".part" not in str(caught.value)
     assert not leftovers()
+
+
+@pytest.mark.parametrize(
+    ("command", "begins"),
+    [
+        (["sample", "k0", "--alpha", "0.2", "-n", "3", "-o"], b"x,y,z\n"),
+        (["synthesize", "ggx", "--alpha", "0.2", "--shape", "16", "16", "-o"], b"PK"),
+        (["report", "--quick", "--family", "k0", "--output"], b"<!DOCTYPE html>"),
+    ],
+)
+@pytest.mark.parametrize("output", ["/dev/stdout", "link"])
+def test_standard_output_gets_the_content_alone(command: list[str], begins: bytes, output: str) -> None:
+    """Without an ending in its name; what is said of the file goes to stderr."""
+    os.symlink("/dev/stdout", "link")
+    done = subprocess.run(
+        [sys.executable, "-m", "microfacet", *command, output], capture_output=True, check=True, timeout=HANG
+    )
+    assert done.stdout.startswith(begins)
+    assert output.encode() not in done.stdout
+    assert done.stderr.decode().endswith(f"{os.path.abspath(output)}\n")

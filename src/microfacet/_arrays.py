@@ -106,7 +106,7 @@ def _lazy(
     inputs = ",".join(f"(axis_{i})" if kind else "()" for i, (_, kind) in enumerate(arguments))
     outputs = ",".join(f"({','.join(axes)})" for axes in own)
     dtypes = [sample.dtype for sample in samples]
-    results = da.apply_gufunc(  # type: ignore[no-untyped-call]
+    results = da.apply_gufunc(
         function,
         f"{inputs}->{outputs}",
         *(array for array, _ in arguments),

@@ -57,6 +57,7 @@ class Argument:
     domain: str
     lower: float = -math.inf
     upper: float = math.inf
+    note: str = ""  # a further sentence
 
 
 @dataclass(frozen=True)
@@ -68,13 +69,24 @@ class _Quantity:
     example: str  # the arguments before the parameters
 
 
-_COSINE = (
+_COSINE = Argument(
     "u",
-    "Cosine of the angle to the macroscopic normal (dimensionless), in [-1, 1]; up to 8 ulp beyond, as "
-    "rounding makes it, it counts as 1 or -1.",
+    "cosine of the angle to the macroscopic normal",
+    "in [-1, 1]",
+    -1.0,
+    1.0,
+    "Up to 8 ulp beyond, as rounding makes it, it counts as 1 or -1.",
 )
-_SLOPE = ("p", "Slope along x (dimensionless), any real number.")
-_XI = ("xi", "Uniform random number, in [0, 1).")
+_SLOPE = Argument("p", "slope along x", "any real number")
+_RADIUS = Argument("r", "slope tan(theta)", "in [0, inf)", 0.0)
+_XI = Argument(
+    "xi",
+    "uniform random number",
+    "in [0, 1)",
+    0.0,
+    1.0,
+    "NumPy rounds it where `dtype` asks for float32 of float64: what lies above 1 - 2**-25 becomes 1.",
+)
 _NAN = "nan where any argument is nan or a parameter lies outside its domain"
 
 QUANTITIES: Mapping[str, _Quantity] = {
@@ -165,7 +177,10 @@ def _entries(pairs: list[tuple[str, str]]) -> str:
 
 def _text(quantity: str, family: FamilyText) -> str:
     about = QUANTITIES[quantity]
-    arguments = [(x.name, f"{x.meaning.capitalize()} (dimensionless), {x.domain}.") for x in about.arguments]
+    arguments = [
+        (x.name, f"{x.meaning.capitalize()} (dimensionless), {x.domain}. {x.note}".rstrip())
+        for x in about.arguments
+    ]
     parameters = [*arguments, ("alpha", _ALPHA), *family.parameters.items()]
     call = f"mf.{family.name}.{quantity}({about.example}, {family.arguments})"
     value = f"{family.examples[quantity]:.6g}"

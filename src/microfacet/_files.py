@@ -9,12 +9,12 @@ import os
 import secrets
 import selectors
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any, BinaryIO
 
-__all__ = ["WholeWrites", "read_json", "replacing"]
+__all__ = ["WholeWrites", "ending", "is_stdout", "read_json", "replacing"]
 
 
 class WholeWrites(io.RawIOBase):
@@ -104,6 +104,30 @@ def replacing(path: str | Path, mode: int = 0o666) -> Iterator[BinaryIO]:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
     with _written_through(os.open(target, os.O_WRONLY), path) as stream:
         yield stream
+
+
+def ending(path: str | Path, formats: Iterable[str], default: str) -> str:
+    """Which of the endings a path has; the default for a pipe or a device, whose name says no format."""
+    found = Path(path).suffix
+    if found in formats:
+        return found
+    if _open_file(os.fspath(path)) is not None or (os.path.exists(path) and not _is_ordinary(path)):
+        return default
+    raise ValueError(f"output must end in {', '.join(formats)}, got {os.fspath(path)!r}")
+
+
+def is_stdout(path: str | Path) -> bool:
+    """Whether what is written to `path` goes to standard output."""
+    if _open_file(os.fspath(path)) == 1:
+        return True
+    try:
+        return not _is_ordinary(path) and os.path.samestat(os.stat(path), os.fstat(1))
+    except OSError:
+        return False
+
+
+def _is_ordinary(path: str | Path) -> bool:
+    return os.path.isfile(path) or os.path.isdir(path)
 
 
 def _written_through(number: int, path: str | Path) -> BinaryIO:

@@ -6,6 +6,7 @@ import math
 from typing import Any, ClassVar
 
 from microfacet import _core
+from microfacet._calls import constructor
 from microfacet._sampling import Sampling
 
 __all__ = ["Distribution", "IsotropicDistribution", "StretchedDistribution"]

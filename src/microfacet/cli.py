@@ -23,6 +23,7 @@ from microfacet._console.fit_command import fit_files, fit_options
 from microfacet._console.gallery import gallery
 from microfacet._console.program import (
     Program,
+    announce,
     families_option,
     folder_option,
     json_option,
@@ -106,11 +107,13 @@ def report(
         result = build(output, families or None, parameters, measured, tell, quick)
     if as_json:
         summary = {"passed": result.passed, "total": result.total, "seconds": round(result.seconds, 2)}
-        click.echo(json.dumps({"path": str(result.path), **summary}))
+        announce(json.dumps({"path": str(result.path), **summary}), output)
     else:
         if result.total:
-            click.echo(f"{result.passed} of {result.total} checks hold; built in {result.seconds:.0f} s")
-        click.echo(str(result.path))
+            announce(
+                f"{result.passed} of {result.total} checks hold; built in {result.seconds:.0f} s", output
+            )
+        announce(str(result.path), output)
     ctx.exit(0 if result.passed == result.total else 1)
 
 
@@ -142,7 +145,7 @@ def verify(
       microfacet verify --id beckmann.sigma_delta --json
     """
     from microfacet import _checks
-    from microfacet._console import tables
+    from microfacet._console import check_tables, tables
 
     items = _checks.catalogue()
     results: list[_checks.CheckResult] = []
@@ -155,8 +158,8 @@ def verify(
     if as_json:
         click.echo(json.dumps([result.as_dict() for result in results], indent=1, allow_nan=False))
     else:
-        tables.checks(tables.console(), items, results)
-        for line in tables.summary(items, results):
+        check_tables.checks(tables.console(), items, results)
+        for line in check_tables.summary(items, results):
             click.echo(line)
     ctx.exit(0 if all(result.passed for result in results) else 1)
 
@@ -209,7 +212,7 @@ def sample(
         return
     with progress() as tell:
         draw.save(work, Path(output), tell)
-    click.echo(json.dumps({"path": where(output), **work.as_dict()}) if as_json else where(output))
+    announce(json.dumps({"path": where(output), **work.as_dict()}) if as_json else where(output), output)
 
 
 @main.command()

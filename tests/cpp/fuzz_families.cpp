@@ -1,9 +1,6 @@
 // Densities of slopes at any parameters and arguments.
 
-#include <tuple>
-
-#include "fuzz.hpp"
-#include "microfacet/family/all.hpp"
+#include "fuzz_family.hpp"
 
 namespace mf = microfacet;
 
@@ -34,12 +31,7 @@ void ask(const Family& family, fuzz::input& in) {
 template <class T, class Tag>
 void of_family(fuzz::input& in) {
   using family = typename Tag::template type<T>;
-  constexpr std::size_t count = family::parameters.size() + (family::shape_invariant ? 0 : 1);
-  const auto make = [&]<std::size_t... I>(std::index_sequence<I...>) {
-    const std::array<T, count> p{((void)I, in.number<T>())...};
-    return family(p[I]...);
-  };
-  const family f = make(std::make_index_sequence<count>());
+  const auto f = fuzz::family_of_numbers<family>(in);
   fuzz::judged = sizeof(T) > 4 || family::native_float32;
   for (int i = 0; i < 4; ++i) ask<T>(f, in);
 }
@@ -47,14 +39,5 @@ void of_family(fuzz::input& in) {
 }  // namespace
 
 FUZZ {
-  constexpr unsigned count = std::tuple_size_v<mf::all_families>;
-  const unsigned chosen = in.choice(count);
-  const bool single = in.choice(2) != 0;
-  fuzz::one_of<count>(chosen, [&]<unsigned I>() {
-    using tag = std::tuple_element_t<I, mf::all_families>;
-    if (single)
-      of_family<float, tag>(in);
-    else
-      of_family<double, tag>(in);
-  });
+  fuzz::in_family(in, in.choice(fuzz::families), [&]<class T, class Tag>() { of_family<T, Tag>(in); });
 }

@@ -1,9 +1,6 @@
 // Distributions of normals and their samplers, at any parameters, shapes, directions and uniforms.
 
-#include <tuple>
-
-#include "fuzz.hpp"
-#include "microfacet/family/all.hpp"
+#include "fuzz_family.hpp"
 #include "microfacet/smith/sample_normal.hpp"
 #include "microfacet/smith/sample_visible_bounded.hpp"
 #include "microfacet/smith/sample_visible_mixture.hpp"
@@ -75,12 +72,7 @@ void ask_sensibly(const Family& family, fuzz::input& in) {
 template <class T, class Tag>
 void of_family(fuzz::input& in) {
   using family = typename Tag::template type<T>;
-  constexpr std::size_t count = family::parameters.size() + (family::shape_invariant ? 0 : 1);
-  const auto make = [&]<std::size_t... I>(std::index_sequence<I...>) {
-    const std::array<T, count> p{((void)I, in.number<T>())...};
-    return family(p[I]...);
-  };
-  const family f = make(std::make_index_sequence<count>());
+  const auto f = fuzz::family_of_numbers<family>(in);
   fuzz::judged = sizeof(T) > 4 || family::native_float32;
   in.choice(2) ? ask_sensibly<T>(f, in) : ask_anything<T>(f, in);
 }
@@ -88,14 +80,5 @@ void of_family(fuzz::input& in) {
 }  // namespace
 
 FUZZ {
-  constexpr unsigned count = std::tuple_size_v<mf::all_families>;
-  const unsigned chosen = in.choice(count);
-  const bool single = in.choice(2) != 0;
-  fuzz::one_of<count>(chosen, [&]<unsigned I>() {
-    using tag = std::tuple_element_t<I, mf::all_families>;
-    if (single)
-      of_family<float, tag>(in);
-    else
-      of_family<double, tag>(in);
-  });
+  fuzz::in_family(in, in.choice(fuzz::families), [&]<class T, class Tag>() { of_family<T, Tag>(in); });
 }

@@ -2,10 +2,8 @@
 // looked up.
 
 #include <memory>
-#include <tuple>
 
-#include "fuzz.hpp"
-#include "microfacet/family/all.hpp"
+#include "fuzz_family.hpp"
 #include "microfacet/family/prepared.hpp"
 #include "microfacet/family/sampled.hpp"
 
@@ -59,12 +57,7 @@ void look_up_lanes([[maybe_unused]] const Table& table, [[maybe_unused]] fuzz::i
 template <class T, class Tag>
 void of_family(fuzz::input& in) {
   using family = counted<typename Tag::template type<double>>;
-  constexpr std::size_t count = family::parameters.size() + (family::shape_invariant ? 0 : 1);
-  const auto make = [&]<std::size_t... I>(std::index_sequence<I...>) {
-    const std::array<double, count> p{((void)I, in.number<double>())...};
-    return family(p[I]...);
-  };
-  const family f = make(std::make_index_sequence<count>());
+  const auto f = fuzz::family_of_numbers<family>(in);
   constexpr std::array<unsigned, 7> tables{mf::of_P22,      mf::of_survival,     mf::of_radius, mf::of_P2,
                                            mf::of_slope_sf, mf::of_slope_excess, mf::of_visible};
   const unsigned wanted = tables[in.choice(tables.size())];
@@ -98,15 +91,7 @@ void of_users_density(fuzz::input& in) {
 }  // namespace
 
 FUZZ {
-  constexpr unsigned count = std::tuple_size_v<mf::all_families>;
-  const unsigned chosen = in.choice(count + 1);
-  const bool single = in.choice(2) != 0;
-  if (chosen == count) return of_users_density(in);
-  fuzz::one_of<count>(chosen, [&]<unsigned I>() {
-    using tag = std::tuple_element_t<I, mf::all_families>;
-    if (single)
-      of_family<float, tag>(in);
-    else
-      of_family<double, tag>(in);
-  });
+  const unsigned chosen = in.choice(fuzz::families + 1);
+  if (chosen == fuzz::families) return of_users_density(in);
+  fuzz::in_family(in, chosen, [&]<class T, class Tag>() { of_family<T, Tag>(in); });
 }

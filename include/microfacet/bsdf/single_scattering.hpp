@@ -79,12 +79,10 @@ class scattering_pair {
     T weight = leaving(at, correlated, radiance);
     if constexpr (transmits) {
       // Of what goes there, the part that can leave: mirrored light above, the rest below.
-      const auto above = wo_.z > T(0);
-      const T part = select(above, mirrors, lenses) / maximum(density, smallest<T>());
-      const T sure = select((above & !passed) | ((wo_.z < T(0)) & passed), T(1), T(0));
-      const auto some = density > smallest<T>(), finite = density <= largest<T>();
-      weight = weight * select(some & finite, part, sure);
-      weight = select(material_.eta() == T(1), T(T(1) + T(0) * wi_.z), weight);
+      const auto above = wo_.z > T(0), crossed = passed > T(0);
+      const T part = select(above, d.mirrors, d.lenses) / maximum(density, smallest<T>());
+      const T sure = select((above & !crossed) | ((wo_.z < T(0)) & crossed), T(1), T(0));
+      weight = share(select((density > smallest<T>()) & (density <= largest<T>()), part, sure), weight);
     } else {
       weight = weight * material_.reflectance(dot(wi_, m));
     }

@@ -40,12 +40,11 @@ MICROFACET_INLINE R log_ratio(const R& x, const R& low, const R& centre) {
     const integers shifted = wrapping_difference(integers(bits(x)), integers(f::sqrt_half));
     const integers exponent = shifted & integers(~((integer_of<real>(1) << f::mantissa) - 1));
     const R power = from_bits(wrapping_difference(integers(elementary::bits(real(1))), exponent), x);
-    const R n =
-        from_bits(wrapping_sum(integers(shifted >> f::mantissa), integers(elementary::bits(real(f::round)))),
-                  x) -
-        R(f::round);
-    const R e =
-        multiply_add(low, power, R(from_bits(wrapping_difference(integers(bits(x)), exponent), x) - R(1)));
+    const R shifted_n = from_bits(
+        wrapping_sum(integers(shifted >> f::mantissa), integers(elementary::bits(real(f::round)))), x);
+    const R n = rounded(R(shifted_n - R(f::round)));
+    const R e = multiply_add(
+        low, power, rounded(R(from_bits(wrapping_difference(integers(bits(x)), exponent), x) - R(1))));
     const auto q = [](std::size_t k) { return R(coefficients::log_polynomial_32[k]); };
     const R bend = multiply_add(interleaved<coefficients::log_polynomial_32.size()>(q, e), e, R(-0.5));
     const R rest = multiply_add(R(e * e), bend, R(R(f::ln2_low) * n));

@@ -36,7 +36,7 @@ class piecewise_fit {
     const auto in_range = [this](double, double f) { return f >= range_.least && f <= most(); };
     double middle;
     sample_(&range_.inside, &middle, 1);
-    if (!in_range(range_.inside, middle)) return Table::nothing();
+    if (!elementary::is_number(middle) || !in_range(range_.inside, middle)) return Table::nothing();
     low_ = reach(sample_, range_.inside, lowest, in_range);
     high_ = reach(sample_, range_.inside, range_.upper, in_range);
     goes_on_ = high_ >= range_.upper;
@@ -77,7 +77,7 @@ class piecewise_fit {
       if (!accept(polynomial::fit(sample_, low_, range_.lower, range_.central))) return false;
       from = range_.lower;
     }
-    table_.lower = std::max(static_cast<T>(std::exp(from)), std::numeric_limits<T>::min());
+    table_.lower = (std::max)(static_cast<T>(std::exp(from)), (std::numeric_limits<T>::min)());
     for (std::ptrdiff_t cell = first_cell(from, coarse, below); cell < below;) {
       const std::size_t number = count_;
       const std::ptrdiff_t n = widest(cell, below, from);
@@ -180,7 +180,7 @@ class piecewise_fit {
       const auto got = static_cast<double>(root ? table_.of_root(high) : table_(twofold<T>(high, low)));
       const double error = std::abs(got / f[k] - 1);
       double& most = std::abs(std::log(f[k])) > range_.central ? table_.far_error : table_.error;
-      if (!(error <= most)) most = error;
+      most = elementary::is_number(error) ? (std::max)(most, error) : largest<double>();
       ++measured;
     }
     return measured;

@@ -47,12 +47,12 @@ class beckmann {
     const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
     const T value = exp<2 * lift<T>>(-quotient(h2, exact_product(z, z), reciprocal)),
             scale = lowered(reciprocal);
-    return value * scale * (scale * T(1 / pi));
+    return rounded(T(value * scale)) * (scale * T(1 / pi));
   }
   T survival(const twofold<T>& r2) const { return exp<8>(-r2) * T(0x1p-8); }
   T radius2(const T& xi) const { return -log1p(-xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<lift<T>>(-t.squared) * lowered(T(T(1 / sqrt_pi) * factor));
+    return exp<lift<T>>(-t.squared) * rounded(lowered(T(T(1 / sqrt_pi) * factor)));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(

@@ -83,7 +83,7 @@ class bessel_k {
       if (!some_lane(moving)) break;
     }
     const T less = select(smooth, T(sqrt(xi_argument) / sqrt(xi)), T(1));
-    return select(xi_argument == T(0), nothing(), select(xi == T(1), T(inf), T(y * less)));
+    return select(xi_argument == T(0), nothing(), select(xi == T(1), infinite<T>(), T(y * less)));
   }
   T P2(const slope<T>& t) const {
     const auto finite = a_ > T(0.5);
@@ -107,7 +107,7 @@ class bessel_k {
     const T value = rounded(once) * (decay * T(1 / pi));
     const auto finite = a_ > T(1);
     const T at_normal = square(factor) / (T(pi) * select(finite, T(a_ - T(1)), T(1))) + nothing();
-    return select(y.high == T(0), select(finite, at_normal, T(at_normal * T(inf))), value);
+    return select(y.high == T(0), select(finite, at_normal, T(at_normal * infinite<T>())), value);
   }
 
   static constexpr double least_shape = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-30 : 1e-300;

@@ -63,7 +63,7 @@ class gtr {
     const twofold<T> part = quotient(select(narrow, h2, z2), smaller() * length2);
     const T reciprocal = T(1) / length2.high;
     const T fall = exp<lift<T>>(-(log1p_twofold(exact_span() * part) * twofold<T>(gamma_)));
-    return fall * lowered(norm_) * reciprocal * reciprocal;
+    return rounded(T(rounded(T(fall * lowered(norm_))) * reciprocal)) * reciprocal;
   }
 
   T survival(const twofold<T>& r2) const {

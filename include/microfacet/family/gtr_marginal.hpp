@@ -139,9 +139,9 @@ class gtr_marginal {
   template <class Function>
   T integral(const Function& f) const {
     const T base = T(1) - omitted_;
-    const auto pair = [&](const T& near, const T&) {
-      const T b = expm1(length_ * near), b_far = growth_of_length_ - b;
-      const T growth = expm1(minimum(T(height_ * near), T(single ? 30 : 130)));
+    const auto pair = [&](const T& nearer, const T&) {
+      const T b = expm1(length_ * nearer), b_far = growth_of_length_ - b;
+      const T growth = expm1(minimum(T(height_ * nearer), T(single ? 30 : 130)));
       // Times (1 + b) omitted over exp(length), and omitted.
       const T a = (b_far + base * (T(1) + b)) * shrunk_, a_far = b + base;
       const T grown = T(1) + growth, inverse = T(1) / (a * a_far * grown),
@@ -157,9 +157,9 @@ class gtr_marginal {
   template <class Function>
   T integral_of_survival(const Function& f) const {
     const T sum = integral([&](const nodes& n) {
-      const T near = (rest_of_all_ - all_ * n.growth) * select(rising_, n.inverse_growth, T(1));
-      const T far = n.growth * select(rising_, all_, n.inverse_growth);
-      return f(T(near * n.r * (T(1) + omitted_ * n.r)), T(far * n.r_far * (T(1) + omitted_ * n.r_far)),
+      const T nearer = (rest_of_all_ - all_ * n.growth) * select(rising_, n.inverse_growth, T(1));
+      const T farther = n.growth * select(rising_, all_, n.inverse_growth);
+      return f(T(nearer * n.r * (T(1) + omitted_ * n.r)), T(farther * n.r_far * (T(1) + omitted_ * n.r_far)),
                n.rho2, n.rho2_far);
     });
     return fall_ * (omitted_ * sum * (length_ / (T(2 * pi) * abs(g_) * scale_)));
@@ -172,8 +172,8 @@ class gtr_marginal {
                            : maximum(T(T(3.3) + T(0.48) * length_), T(T(3) + T(2) * turns));
     // The pole beyond the interval is the rule's error as long as survival does not grow too much up to
     // there; else it must not count.
-    const T far = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
-    return floor(maximum(pairs, select(decay > T(8), minimum(far, T(47)), T(0)))) + T(1);
+    const T for_pole = (decay + T(single ? 22 : 41)) / (T(4) * log_rho_);
+    return floor(maximum(pairs, select(decay > T(8), minimum(for_pole, T(47)), T(0)))) + T(1);
   }
 
   // The rule's error due to the pole of both integrands at r = 0, where survival is 1.

@@ -14,6 +14,9 @@
 
 namespace microfacet::detail {
 
+template <std::size_t Nodes>
+inline const gauss_legendre<Nodes> rule_of_circles;
+
 template <class T>
 class gtr_wide_circles {
  public:
@@ -24,7 +27,7 @@ class gtr_wide_circles {
   // (1/pi) the mean of f(rho, acos(x/r)), by Gauss' rule in sqrt(|g| L), in which it is analytic.
   template <class Function>
   T mean(const Function& f) const {
-    static const gauss_legendre<single ? 14 : 28> rule;
+    const auto& rule = rule_of_circles < single ? 14 : 28 > ;
     constexpr double end = single ? 4.5 : 6.4;  // exp(-end^2) is nothing
     T sum(0);
     for (std::size_t i = 0; i < rule.nodes; ++i) {

@@ -92,8 +92,10 @@ class k0 {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
     const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
-    const T value = detail::k0_functions<T>(r2).template density<2 * lift<T>>(), scale = lowered(reciprocal);
-    return select(r2.high == T(0), T(inf), T(value * scale * (scale * T(1 / pi))));
+    const twofold<T> finite(minimum(r2.high, T(1e30)), r2.low);  // a fast root of infinity may be nan
+    const T scale = lowered(reciprocal);
+    const T once = rounded(T(detail::k0_functions<T>(finite).template density<2 * lift<T>>() * scale));
+    return select(r2.high == T(0), infinite<T>(), T(once * (scale * T(1 / pi))));
   }
   T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
   T radius2(const T& xi) const { return square(radius(xi)); }
@@ -128,7 +130,7 @@ class k0 {
         [&] { return T(select(xi_argument == T(0), T(0), y)); });
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<lift<T>>(T(-2) * abs(t.value)) * lowered(factor);
+    return exp<lift<T>>(T(-2) * abs(t.value)) * rounded(lowered(factor));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [](const slope<T>& x) { return T(0x1p-9) * exp<8>(T(-2) * x.value); });
@@ -146,13 +148,11 @@ class k0 {
     const T X = abs(x), c = select(up, x, T(0)), below = slope_excess(slope<T>(X));
     const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
     const auto first = xi0 <= share;
-    const T V = select(first, T(xi0 / maximum(share, smallest<T>())),
-                       T((T(1) - xi0) / maximum(other, smallest<T>())));
+    const T V = select(first, xi0, T(T(1) - xi0)) / maximum(select(first, share, other), smallest<T>());
     const T length = T(0.5) * excess_quantile(maximum(V, smallest<T>()));
 
     const T e = T(-0.5) * log1p(-xi1), leaning = X + length;
-    const T R = length, v = xi1, all = R * v;
-    const T root = sqrt(square(T(x - R)) + T(4) * x * all) + X;
+    const T R = length, v = xi1, all = R * v, root = sqrt(square(T(x - R)) + T(4) * x * all) + X;
     const T inside = (R * R + T(2) * x * R * (T(2) * v - T(1))) / maximum(root, smallest<T>());
     const T outside = select(all >= x, all, T(T(2) * sqrt(maximum(T(x * all), T(0))) - x));
     const T along = select(first, leaning, select(R <= x, inside, outside));

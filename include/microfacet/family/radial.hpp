@@ -93,7 +93,7 @@ template <class T, class Upper>
 T symmetric_sf(const slope<T>& t_argument, const Upper& upper) {
   const T t = t_argument.value.high, size = abs(t);
   const T q = upper(slope<T>(abs(t_argument.value), t_argument.squared));
-  const T above = select(size == T(0), T(0.5) + T(0) * q, select(size < T(inf), q, T(0) * q));
+  const T above = select(size == T(0), T(0.5) + T(0) * q, select(size <= largest<T>(), q, T(0) * q));
   return select(t < T(0), T(T(1) - above), select(size >= T(0), above, size));
 }
 

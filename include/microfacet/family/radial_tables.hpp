@@ -56,7 +56,7 @@ class radial_tables {
   // tables are not `complete`.
   bool good(unsigned functions) const {
     const radial_error e = error(functions);
-    return e.near <= (single ? 1.8e-6 : 8e-14) && e.far <= (single ? 2.5e-5 : 8e-13);
+    return e.error <= (single ? 1.8e-6 : 8e-14) && e.far_error <= (single ? 2.5e-5 : 8e-13);
   }
 
  private:

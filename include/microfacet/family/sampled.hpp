@@ -77,7 +77,7 @@ class sampled : detail::sampled_panels {
   double P2(const slope<double>& t) const { return marginal<0>(std::abs(t.value.high)); }
   double slope_sf(const slope<double>& t) const {
     return symmetric_sf(
-        t, [this](const slope<double>& x) { return std::min(marginal<1>(bounded(x).value.high), 0.5); });
+        t, [this](const slope<double>& x) { return (std::min)(marginal<1>(bounded(x).value.high), 0.5); });
   }
   double slope_excess(const slope<double>& t) const { return marginal<2>(t.value.high); }
 

@@ -75,7 +75,7 @@ class student_t {
     return sqrt((T(0) - depth) * expm1_over(growth)) * exp(T(-0.5) * growth);
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<lift<T>>(-(growth(t) * twofold<T>(T(k_ + T(0.5))))) * lowered(T(norm_ * factor));
+    return exp<lift<T>>(-(growth(t) * twofold<T>(T(k_ + T(0.5))))) * rounded(lowered(T(norm_ * factor)));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& x) {

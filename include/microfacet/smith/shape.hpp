@@ -41,11 +41,11 @@ struct cosine {
 
   explicit cosine(const T& u)
       : z(choose(
-            !(abs(u) <= T(1)), [&] { return rounded(u); }, [&] { return u; })),
+            !(abs(u) <= T(1)), [&] { return bounded(u); }, [&] { return u; })),
         sine2(one_minus(exact_product(z, z))) {}
 
  private:
-  static T rounded(const T& u) {
+  static T bounded(const T& u) {
     const auto valid = abs(u) <= T(largest_cosine<typename scalar_traits<T>::real>);
     return where(valid, minimum(maximum(u, T(-1)), T(1)));
   }

@@ -132,7 +132,7 @@ class visible_tails {
     // In the variable log(R^2 - along^2), between bounds.
     const T start = density(along);
     T least(0), most = square(largest_slope<T>());
-    auto moving = rest > T(0);
+    auto moving = elementary::is_number(rest) & (rest > T(0));
     for (int i = 0; i < 40; ++i) {
       const T R = off_zero(sqrt(along * along + rest)), value = density(R), r = log(start / value) - depth;
       least = select(r < T(0), rest, least), most = select(r > T(0), rest, most);
@@ -141,9 +141,9 @@ class visible_tails {
       const T to = rest * exp(maximum(minimum(T(-change), T(4)), T(-4)));
       const auto inside = (to >= least) & (to <= most);
       const T moved = select(inside | (least == T(0)), to, T(sqrt(least) * sqrt(most)));
-      const auto far = abs(moved - rest) > T(single ? 1e-3 : 1e-9) * rest;
-      rest = select(moving & (moved >= T(0)), moved, rest);
-      moving = moving & far;
+      const auto changes = abs(moved - rest) > T(single ? 1e-3 : 1e-9) * rest;
+      rest = select(moving & elementary::is_number(moved) & (moved >= T(0)), moved, rest);
+      moving = moving & changes;
       if (!some_lane(moving)) break;
     }
     return sqrt(rest);

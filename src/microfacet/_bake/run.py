@@ -18,11 +18,13 @@ from microfacet._bake.cell import compute
 from microfacet._bake.journal import Journal, provenance
 from microfacet._bake.recipe import Recipe, recipe
 from microfacet._bake.store import place, put, require_replaceable
+from microfacet._optional import needed, require
 
 __all__ = ["bake"]
 
 Array = NDArray[np.float64]
 Cells = Iterator[tuple[int, dict[str, Array]]]
+WRITERS = {".nc": "h5netcdf", ".zarr": "zarr"}  # the libraries that write these endings
 
 
 def bake(
@@ -115,7 +117,7 @@ def bake(
         return _dataset(xarray, what, cells, origin)
     target = place(output)
     require_replaceable(target)
-    _require_writers()
+    _require_writer(target)
     with Journal(target, what, origin).opened() as journal:
         cells = journal.done()
         missing = [cell for cell in range(what.cells) if cell not in cells]
@@ -189,13 +191,10 @@ def _xarray() -> Any:
     return xarray
 
 
-def _require_writers() -> None:
+def _require_writer(target: Path) -> None:
     """Find out before hours of computing whether their result can be written."""
-    try:
-        import h5netcdf  # noqa: F401
-        import zarr  # noqa: F401
-    except ImportError:
-        raise ImportError("writing tables needs zarr and h5netcdf: pip install 'microfacet[bake]'") from None
+    with needed(f"writing {target.suffix} needs"):
+        importlib.import_module(WRITERS[target.suffix])
 
 
 def _write(table: Any, target: Path, what: Recipe, journal: Journal) -> None:

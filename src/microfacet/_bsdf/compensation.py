@@ -16,6 +16,7 @@ from microfacet._arrays import lifted
 from microfacet._bsdf.conductor import Conductor
 from microfacet._bsdf.fresnel import fresnel_average, fresnel_conductor
 from microfacet._bsdf.kernels import directions_of, uniforms_of
+from microfacet._calls import constructor
 from microfacet._frozen import Distribution
 from microfacet._value import Value
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet._arrays import Argument, as_array
+from microfacet._calls import constructor
 from microfacet._frozen import Distribution
 from microfacet._value import Value
 
@@ -61,6 +62,10 @@ class MaterialKernels(Value):
     _name: str
     _transmits = False
     _closed = True  # whether scattering of one order has a closed form
+
+    def __init_subclass__(cls) -> None:
+        if "__init__" in vars(cls):
+            cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]
 
     def _freeze(
         self, ndf: Distribution, scattering: str, constants: tuple[Array, ...], **others: object

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from microfacet._console.program import json_option, progress, where
+from microfacet._console.program import announce, json_option, progress, where
 
 __all__ = ["bake"]
 
@@ -104,6 +104,6 @@ def bake(
         )
     if as_json:
         found = {"sizes": dict(table.sizes), "variables": list(table.data_vars)}
-        click.echo(json.dumps({"path": where(output), **found}))
+        announce(json.dumps({"path": where(output), **found}), output)
     else:
-        click.echo(where(output))
+        announce(where(output), output)

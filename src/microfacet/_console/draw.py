@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from microfacet._files import replacing
+from microfacet._files import ending, replacing
 from microfacet._optional import needed
 
 __all__ = ["Draw", "View", "save", "write_csv"]
@@ -107,11 +107,13 @@ class Draw:
 
 
 def save(draw: Draw, path: Path, progress: Progress = lambda *_: None) -> None:
-    """Write .npy of shape (count, 3), .csv or .parquet with columns x, y, z; nothing is left if it fails."""
-    if path.suffix not in _WRITERS:
-        raise ValueError(f"output must end in {', '.join(_WRITERS)}, got {str(path)!r}")
-    write = _WRITERS[path.suffix]
-    if path.suffix == ".parquet":
+    """Write .npy of shape (count, 3), .csv or .parquet with columns x, y, z; nothing is left if it fails.
+
+    A pipe or device whose name has no such ending gets .csv.
+    """
+    format_ = ending(path, _WRITERS, ".csv")
+    write = _WRITERS[format_]
+    if format_ == ".parquet":
         _arrow()  # fails before anything is drawn
 
     def told() -> Iterator[Array]:

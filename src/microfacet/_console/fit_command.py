@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from microfacet._console.program import progress, say
+from microfacet._console.program import announce, progress, say, where
 from microfacet._text import printable
 
 __all__ = ["fit_files", "fit_options"]
@@ -94,7 +94,7 @@ def fit_files(
     else:
         _tables(fitted)
         if report:
-            click.echo(where(report))
+            announce(where(report), report)
     return 0
 
 

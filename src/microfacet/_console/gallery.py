@@ -11,8 +11,9 @@ import click
 import microfacet as mf
 from microfacet import _render
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import families_option, json_option, progress, say
+from microfacet._console.program import announce, families_option, json_option, progress, say, where
 from microfacet._console.render import look_options, writable
+from microfacet._optional import require
 
 __all__ = ["gallery"]
 
@@ -135,6 +136,6 @@ def gallery(
     _render.save(path, _render.sheet(labels, pictures, _render.display), {"microfacet": json.dumps(record)})
     if as_json:
         took = round(time.monotonic() - begin, 2)
-        click.echo(json.dumps({"path": where(path), **record, "seconds": took}))
+        announce(json.dumps({"path": where(path), **record, "seconds": took}), path)
     else:
-        click.echo(where(path))
+        announce(where(path), path)

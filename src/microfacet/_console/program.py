@@ -11,16 +11,20 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, NoReturn
 
 import click
 
 from microfacet._console import streams
+from microfacet._files import is_stdout
 from microfacet._text import printable
 
 __all__ = [
     "NumbersCommand",
     "Program",
+    "announce",
     "axes_options",
     "families_option",
     "folder_option",
@@ -257,6 +261,11 @@ def view_options(command: Command) -> Command:
 def where(path: str | Path) -> str:
     """The file that a command has written, as all of them print it: an absolute path."""
     return str(Path(path).absolute())
+
+
+def announce(line: str, *written: str | Path) -> None:
+    """Print what a command says of the files it has written; on stderr, where one of them is stdout."""
+    click.echo(line, err=any(map(is_stdout, written)))
 
 
 families_option = click.option(

@@ -15,7 +15,15 @@ import click
 import microfacet as mf
 from microfacet import _render
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import axes_options, json_option, parameter_options, progress, say
+from microfacet._console.program import (
+    announce,
+    axes_options,
+    json_option,
+    parameter_options,
+    progress,
+    say,
+    where,
+)
 from microfacet._files import read_json
 from microfacet._text import listed
 
@@ -168,10 +176,10 @@ def render(
         _render.save(path, radiance, {"microfacet": json.dumps(record)})
     if as_json:
         took = round(time.monotonic() - begin, 2)
-        click.echo(json.dumps({"paths": [where(path) for path in paths], **record, "seconds": took}))
+        announce(json.dumps({"paths": [where(path) for path in paths], **record, "seconds": took}), *paths)
     else:
         for path in paths:
-            click.echo(where(path))
+            announce(where(path), *paths)
 
 
 def _of_fit(stream: TextIO, chosen: str | None) -> tuple[str, dict[str, float]]:

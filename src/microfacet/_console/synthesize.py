@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import click
@@ -11,8 +10,8 @@ import numpy as np
 
 import microfacet as mf
 from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import axes_options, json_option, parameter_options, where
-from microfacet._files import replacing
+from microfacet._console.program import announce, axes_options, json_option, parameter_options, where
+from microfacet._files import ending, replacing
 
 __all__ = ["synthesize"]
 
@@ -55,8 +54,7 @@ def synthesize(
       microfacet synthesize student_t --alpha 0.3 --gamma 2.5 -o map.npz
       microfacet synthesize ggx --alpha-x 0.3 --alpha-y 0.1 --rotation 30 --shape 2048 512 -o map.npz
     """
-    if Path(output).suffix != ".npz":
-        raise click.UsageError(f"output must end in .npz, got {output!r}")
+    ending(output, (".npz",), ".npz")
     ndf = stretched(family_named(family), parameters)
     surface = mf.synthesize(ndf, (shape[1], shape[0]), **how)
     with replacing(output) as stream:
@@ -70,6 +68,6 @@ def synthesize(
     if as_json:
         record = {"family": family, "parameters": ndf.parameters, "seed": how["seed"], "steps": surface.steps}
         roughness = mf.roughness(surface)._asdict()
-        click.echo(json.dumps({"path": where(output), **record, "roughness": roughness}))
+        announce(json.dumps({"path": where(output), **record, "roughness": roughness}), output)
     else:
-        click.echo(where(output))
+        announce(where(output), output)

@@ -29,7 +29,8 @@ TEXT = FamilyText(
     name="bessel_k",
     title="Bessel K",
     parameters={
-        "a": "Shape of the mixing distribution (dimensionless), in (0, 1e100); 1 is K0, below 1e-300 it is 1e-300.",
+        "a": "Shape of the mixing distribution (dimensionless), in (0, 1e100); 1 is K0, and below 1e-300 it "
+        "counts as 1e-300.",
     },
     formulas={
         "D": (

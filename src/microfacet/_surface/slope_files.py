@@ -15,6 +15,7 @@ from numpy.typing import DTypeLike, NDArray
 from microfacet import _optional
 from microfacet._surface import images, numpy_files, process, text_files
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError, checked_file, short
+from microfacet._text import printable
 from microfacet._value import Value
 
 __all__ = ["SlopeSample", "read_normal_map", "read_slopes"]

@@ -22,7 +22,6 @@ import nanobind
 
 import microfacet as mf
 from microfacet._core.processor import instruction_sets
-from microfacet._optional import installed
 from microfacet.mitsuba import _cache, _check
 from microfacet.mitsuba._progress import tell
 

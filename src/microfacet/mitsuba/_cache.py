@@ -36,7 +36,7 @@ __all__ = [
 KEPT = 12  # libraries, of all variants and versions together
 LONGEST_RECORD = 2**20
 LIBRARY = re.compile(r"(scalar|llvm|cuda|metal)_\w+-[0-9a-f]+\.so")
-ABANDONED = 3600.0  # seconds after which what a killed process left is dropped
+ABANDONED = 86400.0  # seconds after which what a killed process left is dropped
 scratch_prefix = ".compiling-"
 
 
