@@ -49,7 +49,7 @@ void flat_tables::append(const table_request& request, table_use use) {
   const unsigned built = build(*t, request, use);
   const auto& v = t->visible;
   if (use == table_use::all) {
-    samples = samples && v.falls && t->error(built).near < 1e-3 && v.excess_radius.error < 1e-3;
+    samples = samples && v.falls && t->error(built).error < 1e-3 && v.excess_radius.error < 1e-3;
     // The others where the family states no closed forms.
     if (built & of_P2)
       for (const tables::table* f : {&v.moment, &v.moment_radius, &v.marginal_radius})
