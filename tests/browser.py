@@ -10,6 +10,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from limits import HANG
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
 # In the page: whatever reaches beyond the nearest ancestor that scrolls, or beyond the window.
@@ -53,7 +55,7 @@ def layouts(browser: str, page: str, widths: tuple[int, ...], folder: Path) -> l
     flags += " --disable-background-networking --disable-quic --virtual-time-budget=60000 --dump-dom"
     profile = f"--user-data-dir={folder / 'profile'}"
     command = [browser, *flags.split(), profile, (folder / "outer.html").as_uri()]
-    dom = subprocess.run(command, capture_output=True, text=True, timeout=600, check=True).stdout
+    dom = subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=True).stdout
     (text,) = re.findall(r'<pre id="found">(.*?)</pre>', dom, re.DOTALL)
     found = {entry["window"]: entry for entry in json.loads(html.unescape(text))}
     return [found[width] for width in widths]

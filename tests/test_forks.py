@@ -8,6 +8,8 @@ import sys
 
 import pytest
 
+from limits import HANG
+
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing forks here")
 
 # Each thread asks for densities that no cache holds, so that tables are built, kept and dropped all the time.
@@ -55,5 +57,5 @@ sys.exit(f"{sum(s != 0 for s in status)} of 40 children ended badly: {status}" i
 
 
 def test_children_of_a_busy_process_compute() -> None:
-    result = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=600)
+    result = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=HANG)
     assert result.returncode == 0, result.stderr

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 import microfacet as mf
+from limits import HANG
 from microfacet._console import draw
 from microfacet.cli import main
 
@@ -37,7 +38,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="limits of address sp
 def run(code: str) -> set[str]:
     """What the code prints, in a process whose memory it fills."""
     done = subprocess.run(
-        [sys.executable, "-c", FILL + textwrap.dedent(code)], capture_output=True, text=True, timeout=300
+        [sys.executable, "-c", FILL + textwrap.dedent(code)], capture_output=True, text=True, timeout=HANG
     )
     assert done.returncode == 0, done.stderr
     return set(done.stdout.split())

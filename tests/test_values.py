@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import microfacet as mf
+from limits import HANG
 from microfacet._bake.recipe import recipe
 
 CHI2 = {"n": 20_000, "resolution": (4, 8)}
@@ -217,7 +218,7 @@ def test_every_object_passes_a_pool(method: str) -> None:
     """A pool hangs where its process dies of what it is given: the limit is for that alone."""
     things = [thing for name in EXAMPLES for thing in examples(name)]
     with multiprocessing.get_context(method).Pool(1) as pool:
-        returned = pool.map_async(answers, things, chunksize=len(things)).get(timeout=300)
+        returned = pool.map_async(answers, things, chunksize=len(things)).get(timeout=HANG)
     for thing, (again, text, value) in zip(things, returned, strict=True):
         assert again == thing
         assert text == repr(thing)

@@ -48,8 +48,7 @@ class ggx {
   }
   T slope_excess(const slope<T>& x) const { return T(0.5) / (x.value.high + sqrt(T(1) + x.squared.high)); }
   fraction<T> sigma_below(const T& c, const T& s2) const {
-    // Its own square would overflow, were the numerator lifted.
-    return {T(0.5) * s2, maximum(lowered(T(abs(c) + sqrt(c * c + s2))), smallest<T>())};
+    return {lifted(T(T(0.5) * s2)), maximum(T(abs(c) + sqrt(c * c + s2)), smallest<T>())};
   }
 
   // By a uniform point on a spherical cap: two uniforms; the first is 0 where the mirrored direction is +z.

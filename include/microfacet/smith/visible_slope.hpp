@@ -10,11 +10,9 @@
 // Each over P2(t), t = |P|, is a function that neither over- nor underflows, and log(probability/target) is
 // solved by Halley's method: above in the variable (x + P)^2/2, below in log(x + P), which are straight where
 // the probability has its double zeros. The other side of the quotient is an exponent. What a family states
-// (`tails`): slope_sf/P2, J/P2, int_t^inf y P2(y) dy/P2, the logarithmic derivative of P2, and its fall
-// log P2(t) - log P2(t + v).
+// (`tails`): slope_sf/P2, J/P2, int_t^inf y P2(y) dy/P2, (log P2)', the fall log P2(t) - log P2(t + v).
 #pragma once
 
-#include "microfacet/core/elementary.hpp"
 #include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/smith/visible_point.hpp"
@@ -62,16 +60,18 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T start = first();
     auto moving = elementary::is_number(start) & (start >= T(0));
     T v = select(moving, start, T(0)), least(0), most = select(on_lower_, c_, largest_slope<T>());
-    // A lane that has converged stays, so that its neighbours do not change it; so does one that has left the
-    // range of the family's functions. Convergence is quadratic; where log(probability) bends, bounds help.
+    // A lane that has converged stays, so that its neighbours do not change it. Where log(probability) bends,
+    // bounds help; beyond the range of the family's functions there is no residual.
     for (int i = 0; i < 40; ++i) {
       const step s = next(v);
-      least = select(s.residual > T(0), v, least), most = select(s.residual < T(0), v, most);
-      const auto inside = ((s.to >= least) & (s.to <= most)) | (least == T(0));
-      const T middle = select(most > T(4) * least, T(sqrt(least) * sqrt(most)), T(T(0.5) * (least + most)));
-      const T after = select(inside, s.to, middle);
-      const auto met = elementary::is_number(s.residual) & elementary::is_number(after) & (after >= T(0));
-      const T moved = select(moving & met, after, v), size = select(on_lower_, minimum(v, T(c_ - v)), v);
+      const auto too_far = (s.residual < T(0)) | !elementary::is_number(s.residual);
+      least = select(s.residual > T(0), v, least), most = select(too_far, v, most);
+      const T other = select(least > T(0), least, minimum(most, T(1)) * T(0.0625));
+      const T middle = select(most > T(4) * other, T(sqrt(other) * sqrt(most)), T(T(0.5) * (other + most)));
+      const auto inside =
+          elementary::is_number(s.to) & (((s.to >= least) & (s.to <= most)) | (least == T(0)));
+      const T moved = select(moving, select(inside, s.to, middle), v);
+      const T size = select(on_lower_, minimum(v, T(c_ - v)), v);
       moving = moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * size);
       v = moved;
       if (!some_lane(moving)) break;

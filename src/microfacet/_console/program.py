@@ -6,9 +6,7 @@ import functools
 import math
 import os
 import re
-import signal
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from difflib import get_close_matches
@@ -18,6 +16,7 @@ from typing import Any, NoReturn
 import click
 
 from microfacet._console import streams
+from microfacet._console.termination import ending_on_sigterm
 from microfacet._files import is_stdout
 from microfacet._text import printable
 
@@ -49,7 +48,7 @@ class Program(click.Group):
         options["standalone_mode"] = False
         _stand_in_for_closed_streams()
         try:
-            with _ending_on_sigterm():
+            with ending_on_sigterm():
                 status = super().main(*args, **options)
         except click.NoSuchOption as error:
             _fail(_no_such_option(error))
@@ -101,19 +100,6 @@ def _no_such_option(error: click.NoSuchOption) -> str:
     )
     near = get_close_matches(error.option_name, known, n=1)
     return f"No such option: {error.option_name}." + (f" Did you mean {near[0]}?" if near else "")
-
-
-@contextmanager
-def _ending_on_sigterm() -> Iterator[None]:
-    """Let blocks that clean up end when the process is terminated, which the main thread alone can do."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)  # None: not set by Python
 
 
 def _stand_in_for_closed_streams() -> None:

@@ -173,6 +173,7 @@ void closed() {
     if constexpr (!single<R> || family::native_float32) {
       for (const double alpha : {1e-4, 0.1, 0.5, 3.0, 1e-12, 1e12}) {
         if (!family::shape_invariant && alpha != 0.5) continue;
+        if (single<R> && (alpha < 1e-6 || alpha > 1e6)) continue;  // float headers hold no more
         const R stretch = R(family::shape_invariant ? alpha : 1.0);
         where = kind<R>() + std::string(family::name);
         for (const double p : a) where += " " + std::to_string(p);
