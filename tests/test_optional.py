@@ -8,9 +8,11 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Callable
 
 import pytest
 
+import microfacet as mf
 from microfacet._optional import EXTRAS, installed, needed, require, sentence
 
 ROOT = pathlib.Path(__file__).parent.parent
@@ -258,3 +260,11 @@ def test_python_m_microfacet_is_the_command() -> None:
     done = subprocess.run([*program, "--help"], capture_output=True, text=True)
     assert done.stdout.startswith("Usage: microfacet [OPTIONS]")
     assert PROJECT["scripts"] == {"microfacet": "microfacet.__main__:main"}
+
+
+@pytest.mark.parametrize(
+    ("flag", "folder"), [("--include-dir", mf.get_include), ("--cmake-dir", mf.get_cmake_dir)]
+)
+def test_builds_find_the_package_without_the_command(flag: str, folder: Callable[[], str]) -> None:
+    done = python("from microfacet.__main__ import main; main()", ["click", "rich"], flag)
+    assert done.stdout == folder() + "\n", done.stderr
