@@ -155,7 +155,7 @@ class visible_tables {
     const double peak = samples.inverse_peak(), smallest = single ? 1e-6 : 0.02;
     const double middle = std::log(1 / samples.at(mean) - peak);
     const double from =
-        std::min(std::log(peak > 1e-290 ? smallest * peak : 1 / samples.at(1e-8 * mean)), middle - 1);
+        (std::min)(std::log(peak > 1e-290 ? smallest * peak : 1 / samples.at(1e-8 * mean)), middle - 1);
     fill_far(moment_radius, [&](const R& L) { return samples.moment_radius(L); },
              {single ? -14.0 : -1.0, 60, 1, 0, 1e-30, 50});
     fill_far(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); },
