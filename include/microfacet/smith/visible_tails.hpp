@@ -85,7 +85,7 @@ class visible_tails {
   // Whether P2 is the marginal of a density in three dimensions, as `across` takes for granted.
   auto lifts() const {
     if constexpr (requires { family_.visible(); }) {
-      const T falls(family_.visible().falls ? 1.0F : 0.0F);
+      const T falls(family_.visible().falls ? T(1) : T(0));
       return falls > T(0);
     } else if constexpr (requires { family_.falls(); }) {
       return family_.falls();
