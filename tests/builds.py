@@ -15,7 +15,7 @@ from microfacet import _core
 BUILDS: dict[str, ModuleType] = {name: import_module(f"microfacet._core.{name}") for name in _core.available}
 FUSED = [name for name in BUILDS if name != "baseline"]  # round a * b + c once
 
-MATERIALS = ("conductor_", "dielectric_", "diffuse_")  # see test_bsdf.py, test_walks.py
+MATERIALS = ("conductor_", "dielectric_", "diffuse_", "unit_direction")  # see test_bsdf.py, test_walks.py
 FROZEN = ("isotropic_", "stretched_")  # prefixes of the ufuncs behind the frozen distributions
 LONG = 8192  # from this length on a ufunc with constant shape parameters prepares tables
 SPECIAL = (0.0, -0.0, 1.0, -1.0, 0.5, 1e-12, 1e6, np.inf, -np.inf, np.nan)

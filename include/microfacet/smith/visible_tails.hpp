@@ -146,7 +146,7 @@ class visible_tails {
       moving = moving & changes;
       if (!some_lane(moving)) break;
     }
-    return sqrt(rest);
+    return select(depth == T(0), T(0), T(sqrt(rest)));  // where rounding would leave its root
   }
 
  private:
