@@ -142,7 +142,7 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
   constexpr double least = single ? -87 : -700, slope_end = single ? 20 : 40, square_end = 2 * slope_end;
   constexpr double tiny = static_cast<double>((std::numeric_limits<T>::min)()),
-                   tiny_root = single ? 1e-22 : 1e-153;
+                   tiny_root = single ? 1e-22 : 1e-150;
   constexpr double central = single ? 20 : 50;
   // Smaller odds than exp(-680) leave the inversion no digits.
   constexpr double least_odds = single ? least : -680;
