@@ -76,6 +76,10 @@ def test_the_baseline_agrees_on_directions(family: Any, dtype: type) -> None:
     for name, f in kernels(family, "baseline").items():
         columns = arguments(family, name, f, 700, dtype)
         chosen = np.all([ordinary(c) for c in columns], axis=0)
+        if name.endswith("mixture"):  # divides what is left of xi, which is one rounding next to 1
+            chosen = chosen & np.all(
+                [np.broadcast_to(c, 700) != 1 - np.finfo(dtype).eps / 2 for c in columns], 0
+            )
         columns = each(columns, lambda c, chosen=chosen: c[chosen])
         expected = evaluate(kernels(family, best)[name], columns)
         absolute = contract.tolerance if "_sample" in name else contract.smallest  # of unit vectors
