@@ -27,7 +27,8 @@ class gtr_wide_circles {
   // (1/pi) the mean of f(rho, acos(x/r)), by Gauss' rule in sqrt(|g| L), in which it is analytic.
   template <class Function>
   T mean(const Function& f) const {
-    const auto& rule = rule_of_circles < single ? 14 : 28 > ;
+    constexpr std::size_t nodes = single ? 14 : 28;
+    const auto& rule = rule_of_circles<nodes>;
     constexpr double end = single ? 4.5 : 6.4;  // exp(-end^2) is nothing
     T sum(0);
     for (std::size_t i = 0; i < rule.nodes; ++i) {
