@@ -7,15 +7,15 @@
 #include <limits>
 #include <memory>
 
-#include "blocks.hpp"
-#include "distribution.hpp"
-#include "lanes.hpp"
+#include "bindings/loop/blocks.hpp"
+#include "bindings/loop/lanes.hpp"
+#include "bindings/loop/numpy.hpp"
+#include "bindings/material/distribution.hpp"
+#include "bindings/material/single.hpp"
+#include "bindings/material/walking.hpp"
 #include "microfacet/bsdf/conductor.hpp"
 #include "microfacet/bsdf/dielectric.hpp"
 #include "microfacet/bsdf/diffuse.hpp"
-#include "numpy.hpp"
-#include "single_materials.hpp"
-#include "walking_materials.hpp"
 
 namespace microfacet::bindings {
 namespace {
@@ -129,7 +129,7 @@ std::atomic<long long> prepared_distributions{0};
 
 PyObject* count_prepared(PyObject*, PyObject*) { return PyLong_FromLongLong(prepared_distributions.load()); }
 PyMethodDef prepared_counter{"distributions_prepared", &count_prepared, METH_NOARGS,
-                             "How many distributions the materials' kernels have prepared."};
+                             "How many distributions the materials' kernels have tabulated."};
 
 template <class T>
 void run_constant(const material_call& call) {

@@ -25,7 +25,7 @@ HEADERS = ROOT / "include" / "microfacet"
 PACKAGE = ROOT / "src" / "microfacet"
 
 # Lower layers first. A file includes or imports from layers below its own, and from its own folder.
-CPP_LAYERS = ("core", "special", "family", "smith", "bsdf")
+CPP_LAYERS = ("core", "approx", "special", "family", "tabulated", "smith", "bsdf")
 PYTHON_LAYERS = (
     {"_arrays", "_calls", "_core", "_files", "_optional", "_text", "_value"},
     {"_docs", "_quantities"},

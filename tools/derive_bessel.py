@@ -1,6 +1,6 @@
-"""Derive the coefficients of include/microfacet/special/bessel_coefficients.hpp in arbitrary precision.
+"""Derive the coefficients of include/microfacet/special/coefficients/bessel.hpp in arbitrary precision.
 
-    python tools/derive_bessel.py > include/microfacet/special/bessel_coefficients.hpp
+    python tools/derive_bessel.py > include/microfacet/special/coefficients/bessel.hpp
 
 * near: for w = y^2 <= 1/16 and abs(mu) <= 1/2, F(mu) = (I_mu(2y)/y^mu - 1/Gamma(1 + mu))/w and
   G(mu) = I_{mu+1}(2y)/y^(mu+1), each as even + mu odd, in w - 1/32 and mu^2.

@@ -1,6 +1,6 @@
-"""Derive the start of the inverse of erfc: include/microfacet/special/erfc_inverse_coefficients.hpp.
+"""Derive the start of the inverse of erfc: include/microfacet/special/coefficients/erfc_inverse.hpp.
 
-    python tools/derive_erfc_inverse.py > include/microfacet/special/erfc_inverse_coefficients.hpp
+    python tools/derive_erfc_inverse.py > include/microfacet/special/coefficients/erfc_inverse.hpp
 
 With erfc(t)/2 = v and the depth -log(4v(1 - v)), t^2 over the depth rises from pi/4 to 1. A rational
 function of the depth with positive coefficients has it to 2.4e-7 as far as float32 reaches and to 3e-6 as

@@ -1,6 +1,6 @@
-"""Derive the coefficients of include/microfacet/special/coefficients.hpp in arbitrary precision.
+"""Derive the coefficients of include/microfacet/special/coefficients/special.hpp in arbitrary precision.
 
-    python tools/derive_special.py > include/microfacet/special/coefficients.hpp
+    python tools/derive_special.py > include/microfacet/special/coefficients/special.hpp
 
 * erfc_*, ierfc_*: minimax rationals for exp(x^2) erfc(x) and exp(x^2) ierfc(x), all of whose coefficients are
   positive, as far as exp(-x^2) is a normal number.

@@ -1,6 +1,6 @@
-"""Derive the coefficients of include/microfacet/special/student_coefficients.hpp in arbitrary precision.
+"""Derive the coefficients of include/microfacet/special/coefficients/student.hpp in arbitrary precision.
 
-    python tools/derive_student.py > include/microfacet/special/student_coefficients.hpp
+    python tools/derive_student.py > include/microfacet/special/coefficients/student.hpp
 
 Both tails of Student's density are a hypergeometric function of order K = k + 10 and of q = log(1 + t^2/k).
 With z = exp(-q), w = 1 - z, kappa = 1/K, xi = sqrt(q K) and r = Gamma(K + 1/2)/(Gamma(K) sqrt(K)):

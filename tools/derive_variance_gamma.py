@@ -1,6 +1,6 @@
 """Derive the coefficients of include/microfacet/special/variance_gamma_*.hpp in arbitrary precision.
 
-    python tools/derive_variance_gamma.py tail > include/.../special/variance_gamma_tail_coefficients.hpp
+    python tools/derive_variance_gamma.py tail > include/.../special/coefficients/variance_gamma_tail.hpp
     (likewise excess)
 
 Gamma(a) y^(1-a) exp(2y) times the tails Pr(slope > y) and E[(slope - y)_+] of the variance-gamma density of

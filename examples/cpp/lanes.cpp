@@ -8,8 +8,8 @@
 
 #include "microfacet/core/pack.hpp"
 #include "microfacet/family/bessel_k.hpp"
-#include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/ndf.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
 
 namespace mf = microfacet;
 
@@ -30,8 +30,8 @@ int main() {
   if (!tables.good(mf::of_slope_excess)) return 1;
 
   const mf::isotropic_shape<lanes> shape(lanes(0.3f));
-  const mf::ndf<mf::prepared<lanes>, lanes, mf::isotropic_shape<lanes>> ndf(mf::prepared<lanes>(tables),
-                                                                            shape);
+  const mf::ndf<mf::tabulated<lanes>, lanes, mf::isotropic_shape<lanes>> ndf(mf::tabulated<lanes>(tables),
+                                                                             shape);
 
   std::vector<float> u(1 << 16), G1(u.size());
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = static_cast<float>(i) / static_cast<float>(u.size());

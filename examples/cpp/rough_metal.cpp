@@ -7,9 +7,9 @@
 #include <random>
 
 #include "microfacet/family/all.hpp"
-#include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/ndf.hpp"
-#include "microfacet/smith/sample_visible.hpp"
+#include "microfacet/smith/visible/sample_visible.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
 
 namespace mf = microfacet;
 using direction = mf::vec3<double>;
@@ -81,7 +81,7 @@ template <class Family>
 void show_prepared(const char* name, const Family& family, double alpha) {
   static mf::radial_tables<double> tables;
   tables.build(family, mf::of_all | mf::of_visible);
-  show(name, mf::prepared<double>(tables), alpha);
+  show(name, mf::tabulated<double>(tables), alpha);
 }
 
 }  // namespace

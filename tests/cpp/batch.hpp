@@ -70,7 +70,7 @@ batch<T> select(const mask<T>& m, const batch<T>& a, const batch<T>& b) {
 }
 
 template <class T>
-bool some_lane(const mask<T>& m) {
+bool any_lane(const mask<T>& m) {
   for (int i = 0; i < batch<T>::size; ++i)
     if (m.v[i]) return true;
   return false;
@@ -78,7 +78,7 @@ bool some_lane(const mask<T>& m) {
 
 // a * b - p for the rounded product p.
 template <class T>
-batch<T> product_error(const batch<T>& a, const batch<T>& b, const batch<T>& p) {
+batch<T> two_prod_error(const batch<T>& a, const batch<T>& b, const batch<T>& p) {
   batch<T> r;
   for (int i = 0; i < batch<T>::size; ++i) r.v[i] = std::fma(T(a.v[i]), T(b.v[i]), -T(p.v[i]));
   return r;

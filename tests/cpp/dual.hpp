@@ -54,7 +54,7 @@ inline dual expm1(dual a) { return chain(std::expm1(a.x), std::exp(a.x), a); }
 inline dual log(dual a) { return chain(std::log(a.x), 1 / a.x, a); }
 inline dual log1p(dual a) { return chain(std::log1p(a.x), 1 / (1 + a.x), a); }
 // The rounding of a product, which is constant to the derivative.
-inline dual product_error(dual a, dual b, dual p) { return dual(std::fma(a.x, b.x, -p.x)); }
+inline dual two_prod_error(dual a, dual b, dual p) { return dual(std::fma(a.x, b.x, -p.x)); }
 inline dual floor(dual a) { return dual(std::floor(a.x)); }
 inline dual pow(dual a, dual b) {
   const double value = std::pow(a.x, b.x);

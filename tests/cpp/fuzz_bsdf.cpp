@@ -6,9 +6,9 @@
 #include "microfacet/bsdf/conductor.hpp"
 #include "microfacet/bsdf/dielectric.hpp"
 #include "microfacet/bsdf/diffuse.hpp"
-#include "microfacet/bsdf/on_arrays.hpp"
-#include "microfacet/bsdf/random_walk.hpp"
 #include "microfacet/bsdf/single_scattering.hpp"
+#include "microfacet/bsdf/walk/on_arrays.hpp"
+#include "microfacet/bsdf/walk/random_walk.hpp"
 #include "microfacet/family/ggx.hpp"
 #include "microfacet/family/student_t.hpp"
 
@@ -54,8 +54,8 @@ void walk(const Distribution& ndf, fuzz::input& in) {
   const mf::vec3<T> wi = direction<T>(in), wo = direction<T>(in);
   task.wi.x[0] = wi.x, task.wi.y[0] = wi.y, task.wi.z[0] = wi.z;
   for (auto& p : task.parameters) p[0] = in.number<T>();
-  mf::walk_vectors<T> out{};
-  mf::walk_array<T> weight{}, order{}, sum{};
+  mf::block3<T> out{};
+  mf::block<T> weight{}, order{}, sum{};
   walks->sample(task, out, weight, order);
   fuzz::require_positive("weight of a walk", static_cast<double>(weight[0]));
   fuzz::require_within("order of a walk", static_cast<double>(order[0]), 0, 2000);

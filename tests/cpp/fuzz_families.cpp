@@ -11,12 +11,13 @@ template <class T, class Family>
 void ask(const Family& family, fuzz::input& in) {
   const T x = in.number<T>(), y = in.number<T>();
   const mf::slope<T> t(x);
-  fuzz::compute(family.P22(t.squared)), fuzz::compute(family.P22(mf::twofold<T>(x)));
-  fuzz::compute(family.D(x, mf::twofold<T>(y))), fuzz::compute(family.survival(mf::twofold<T>(x)));
+  fuzz::compute(family.P22(t.squared)), fuzz::compute(family.P22(mf::double_double<T>(x)));
+  fuzz::compute(family.D(x, mf::double_double<T>(y))),
+      fuzz::compute(family.survival(mf::double_double<T>(x)));
   fuzz::compute(family.radius2(x)), fuzz::compute(family.slope_excess(t));
 
   const T z = std::abs(y), size = std::abs(x), u = in.uniform<T>();
-  const mf::twofold<T> square = in.choice(2) ? mf::exact_product(x, x) : mf::twofold<T>(size);
+  const mf::double_double<T> square = in.choice(2) ? mf::two_prod(x, x) : mf::double_double<T>(size);
   const auto number = [](const T& value) { return static_cast<double>(value); };
   const double all = 1 + 1e-5;  // probabilities are rounded
   fuzz::require_positive("P22", number(family.P22(square)));
@@ -32,7 +33,7 @@ template <class T, class Tag>
 void of_family(fuzz::input& in) {
   using family = typename Tag::template type<T>;
   const auto f = fuzz::family_of_numbers<family>(in);
-  fuzz::judged = sizeof(T) > 4 || family::native_float32;
+  fuzz::judged = sizeof(T) > 4 || family::float32_arithmetic;
   for (int i = 0; i < 4; ++i) ask<T>(f, in);
 }
 

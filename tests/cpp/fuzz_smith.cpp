@@ -2,8 +2,8 @@
 
 #include "fuzz_family.hpp"
 #include "microfacet/smith/sample_normal.hpp"
-#include "microfacet/smith/sample_visible_bounded.hpp"
-#include "microfacet/smith/sample_visible_mixture.hpp"
+#include "microfacet/smith/visible/sample_visible_bounded.hpp"
+#include "microfacet/smith/visible/sample_visible_mixture.hpp"
 
 namespace mf = microfacet;
 
@@ -73,7 +73,7 @@ template <class T, class Tag>
 void of_family(fuzz::input& in) {
   using family = typename Tag::template type<T>;
   const auto f = fuzz::family_of_numbers<family>(in);
-  fuzz::judged = sizeof(T) > 4 || family::native_float32;
+  fuzz::judged = sizeof(T) > 4 || family::float32_arithmetic;
   in.choice(2) ? ask_sensibly<T>(f, in) : ask_anything<T>(f, in);
 }
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "fuzz_family.hpp"
-#include "microfacet/family/prepared.hpp"
-#include "microfacet/family/sampled.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
+#include "microfacet/tabulated/user_density.hpp"
 
 namespace mf = microfacet;
 
@@ -20,9 +20,9 @@ class counted : public Family {
 
  public:
   using Family::Family;
-  T P22(const mf::twofold<T>& r2) const { return ++calls, Family::P22(r2); }
-  T D(const T& z, const mf::twofold<T>& h2) const { return ++calls, Family::D(z, h2); }
-  T survival(const mf::twofold<T>& r2) const { return ++calls, Family::survival(r2); }
+  T P22(const mf::double_double<T>& r2) const { return ++calls, Family::P22(r2); }
+  T D(const T& z, const mf::double_double<T>& h2) const { return ++calls, Family::D(z, h2); }
+  T survival(const mf::double_double<T>& r2) const { return ++calls, Family::survival(r2); }
   T radius2(const T& xi) const { return ++calls, Family::radius2(xi); }
   T P2(const mf::slope<T>& t) const { return ++calls, Family::P2(t); }
   T slope_sf(const mf::slope<T>& t) const { return ++calls, Family::slope_sf(t); }
@@ -30,14 +30,15 @@ class counted : public Family {
 };
 
 template <class T>
-void look_up(const mf::prepared<T>& density, fuzz::input& in) {
+void look_up(const mf::tabulated<T>& density, fuzz::input& in) {
   const T x = in.number<T>(), y = in.number<T>();
   const mf::slope<T> t(x);
-  fuzz::compute(density.P22(mf::twofold<T>(x))), fuzz::compute(density.P22(t.squared));
+  fuzz::compute(density.P22(mf::double_double<T>(x))), fuzz::compute(density.P22(t.squared));
   fuzz::compute(density.D(y, t.squared)), fuzz::compute(density.survival(t.squared));
-  fuzz::compute(density.survival(mf::twofold<T>(y))), fuzz::compute(density.radius2(y));
+  fuzz::compute(density.survival(mf::double_double<T>(y))), fuzz::compute(density.radius2(y));
   fuzz::compute(density.P2(t)), fuzz::compute(density.slope_sf(t)), fuzz::compute(density.slope_excess(t));
-  fuzz::compute(density.P22_of_slope(x)), fuzz::compute(density.visible().moment_radius(mf::twofold<T>(y)));
+  fuzz::compute(density.P22_of_slope(x)),
+      fuzz::compute(density.visible().moment_radius(mf::double_double<T>(y)));
 }
 template <class Table>
 void look_up_lanes([[maybe_unused]] const Table& table, [[maybe_unused]] fuzz::input& in) {
@@ -50,7 +51,7 @@ void look_up_lanes([[maybe_unused]] const Table& table, [[maybe_unused]] fuzz::i
     return x;
   };
   const lanes x = some(), y = some();
-  fuzz::compute(table(mf::twofold<lanes>(x, y))), fuzz::compute(table.of_root(x));
+  fuzz::compute(table(mf::double_double<lanes>(x, y))), fuzz::compute(table.of_root(x));
 #endif
 }
 
@@ -65,7 +66,7 @@ void of_family(fuzz::input& in) {
   calls = 0;
   t->build(f, wanted);
   fuzz::require_within("calls of a family to build a table", static_cast<double>(calls), 0, 3e6);
-  for (int i = 0; i < 4; ++i) look_up<T>(mf::prepared<T>(*t), in);
+  for (int i = 0; i < 4; ++i) look_up<T>(mf::tabulated<T>(*t), in);
   look_up_lanes(t->root_D, in);
 }
 
@@ -79,11 +80,11 @@ void of_users_density(fuzz::input& in) {
                  ? 0
                  : std::abs(std::exp((L[i] < edge ? low : high) * L[i]) * (1 + noise * std::sin(L[i])));
   };
-  const auto family = std::make_unique<mf::sampled>(density, -690.0, 85.0, std::abs(in.number<double>()),
-                                                    in.choice(2) != 0, density);
+  const auto family = std::make_unique<mf::user_density>(density, -690.0, 85.0, std::abs(in.number<double>()),
+                                                         in.choice(2) != 0, density);
   for (int i = 0; i < 4; ++i) {
     const double x = std::abs(in.number<double>());
-    fuzz::require_positive("P22", family->P22(mf::twofold<double>(x)));
+    fuzz::require_positive("P22", family->P22(mf::double_double<double>(x)));
     fuzz::require_positive("slope_excess", family->slope_excess(mf::slope<double>(x)));
   }
 }

@@ -13,9 +13,9 @@
 #include "microfacet/bsdf/conductor.hpp"
 #include "microfacet/bsdf/dielectric.hpp"
 #include "microfacet/bsdf/diffuse.hpp"
-#include "microfacet/bsdf/on_arrays.hpp"
-#include "microfacet/bsdf/random_walk.hpp"
 #include "microfacet/bsdf/single_scattering.hpp"
+#include "microfacet/bsdf/walk/on_arrays.hpp"
+#include "microfacet/bsdf/walk/random_walk.hpp"
 #include "microfacet/family/beckmann.hpp"
 #include "microfacet/family/ggx.hpp"
 #include "microfacet/family/k0.hpp"
@@ -50,7 +50,7 @@ double furnace(const Family& family, double alpha, const direction& wi, std::arr
       std::make_unique<mf::random_walk<double, mf::on_arrays<double, distribution>, Material>>(arrays);
   mf::walk_task<double> task;
   task.count = mf::walk_block, task.seed = 3;
-  mf::walk_vectors<double> wo{};
+  mf::block3<double> wo{};
   constexpr int blocks = 400;
   double sum = 0;
   for (int block = 0; block < blocks; ++block) {
@@ -64,7 +64,7 @@ double furnace(const Family& family, double alpha, const direction& wi, std::arr
       task.parameters[0][i] = constants[0], task.parameters[1][i] = constants[1];
       task.element[i] = static_cast<std::uint64_t>(n);
     }
-    mf::walk_array<double> values{};
+    mf::block<double> values{};
     walk->evaluate(task, wo, 0, 1, last, values);
     for (const double value : values) sum += value;
   }

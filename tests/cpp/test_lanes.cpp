@@ -66,8 +66,8 @@ void alone_or_in_company(const char* family, const std::vector<point>& all, cons
       }
     }
   };
-  check("D", [](const auto& f, const pack& x) { return f.D(pack(0.5), mf::twofold<pack>(x)); });
-  check("survival", [](const auto& f, const pack& x) { return f.survival(mf::twofold<pack>(x)); });
+  check("D", [](const auto& f, const pack& x) { return f.D(pack(0.5), mf::double_double<pack>(x)); });
+  check("survival", [](const auto& f, const pack& x) { return f.survival(mf::double_double<pack>(x)); });
   check("P2", [](const auto& f, const pack& x) { return f.P2(mf::slope<pack>(x)); });
   check("slope_sf", [](const auto& f, const pack& x) { return f.slope_sf(mf::slope<pack>(-x)); });
   check("slope_excess", [](const auto& f, const pack& x) { return f.slope_excess(mf::slope<pack>(x)); });

@@ -73,11 +73,11 @@ TEST(masks) {
       CHECK(same(chosen[i], take ? a[i] : b[i]));
       CHECK(less[i] == 0 || less[i] == -1);
     }
-    CHECK(!some_lane(a < Pack(-mf::inf)));
+    CHECK(!any_lane(a < Pack(-mf::inf)));
     for (int i = 0; i < Pack::size; ++i) {
       Pack one(0);
       one.set(i, 1);
-      CHECK(some_lane(one == Pack(1)) && some_lane(one != Pack(1)) && !some_lane(one > Pack(1)));
+      CHECK(any_lane(one == Pack(1)) && any_lane(one != Pack(1)) && !any_lane(one > Pack(1)));
     }
   });
 }

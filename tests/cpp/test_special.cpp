@@ -53,7 +53,7 @@ void gamma_functions() {
 
 template <class T>
 void bessel_functions() {
-  const auto orders = [](T nu, T y) { return mf::bessel::orders(nu, mf::twofold<T>(y)); };
+  const auto orders = [](T nu, T y) { return mf::bessel::orders(nu, mf::double_double<T>(y)); };
   constexpr double climbing = mf::bessel::large_order<T>;
   COMPARE(bessel_below, few, [&](T nu, T y) { return orders(nu, y).below; }, climbing);
   COMPARE(bessel_at, few, [&](T nu, T y) { return orders(nu, y).at; }, climbing);
@@ -73,10 +73,10 @@ void large_orders_in_float() {
   for (const double order : {12.5, 39.9, 45.0, 60.0, 80.0, 150.0, 300.0, 399.0, 1000.0}) {
     for (double y = 0.01; y < 1e3; y *= 1.1) {
       const auto single =
-          mf::bessel::orders(static_cast<float>(order), mf::twofold<float>(static_cast<float>(y)));
+          mf::bessel::orders(static_cast<float>(order), mf::double_double<float>(static_cast<float>(y)));
       const auto precise =
           mf::bessel::orders(static_cast<double>(static_cast<float>(order)),
-                             mf::twofold<double>(static_cast<double>(static_cast<float>(y))));
+                             mf::double_double<double>(static_cast<double>(static_cast<float>(y))));
       const double got = static_cast<double>(single.at * single.decay * single.decay),
                    exact = precise.at * precise.decay * precise.decay;
       const check::note at("order ", order, ", y ", y, ": ", got, ", in double ", exact);

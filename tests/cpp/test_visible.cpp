@@ -10,10 +10,10 @@
 
 #include "check.hpp"
 #include "families.hpp"
-#include "microfacet/family/prepared.hpp"
-#include "microfacet/smith/sample_visible.hpp"
-#include "microfacet/smith/sample_visible_bounded.hpp"
-#include "microfacet/smith/sample_visible_mixture.hpp"
+#include "microfacet/smith/visible/sample_visible.hpp"
+#include "microfacet/smith/visible/sample_visible_bounded.hpp"
+#include "microfacet/smith/visible/sample_visible_mixture.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
 #include "packs.hpp"
 
 namespace mf = microfacet;
@@ -88,14 +88,14 @@ void check_both_ways(const Family& family) {
   check_quantiles(family, family);
   static mf::radial_tables<double> tables;
   tables.build(family, mf::of_all | mf::of_visible);
-  if (tables.good(mf::of_all)) check_quantiles(mf::prepared<double>(tables), family);
+  if (tables.good(mf::of_all)) check_quantiles(mf::tabulated<double>(tables), family);
 }
 
 }  // namespace
 
 TEST(slope_in_the_plane_is_the_quantile) {
   each_family([&]<class Family>(const Family& family) {
-    if constexpr (Family::costly == mf::of_all || Family::costly == (mf::of_all & ~mf::of_P22)) {
+    if constexpr (Family::tabulate == mf::of_all || Family::tabulate == (mf::of_all & ~mf::of_P22)) {
       check_both_ways(family);
     } else if constexpr (has_tails<Family>) {
       check_quantiles(family, family);
@@ -137,8 +137,8 @@ TEST(slope_across_the_plane_is_conditional) {
         constexpr int nodes = 4000;
         for (int i = 0; i <= nodes; ++i) {
           const double y = q * i / nodes;
-          mass +=
-              (i == 0 || i == nodes ? 0.5 : 1.0) * family.P22(mf::twofold<double>(P * P + y * y)) * q / nodes;
+          mass += (i == 0 || i == nodes ? 0.5 : 1.0) * family.P22(mf::double_double<double>(P * P + y * y)) *
+                  q / nodes;
         }
         const double expected = 0.5 - mass / family.P2(mf::slope<double>(std::abs(P)));
         // A quantile ends between two steps.
@@ -156,7 +156,7 @@ TEST(hostile_uniforms_and_directions) {
                      direction{1, 0, -1e-20},  direction{0.8, 0.6, 1e-9}, direction{1e-3, 0, -1},
                      direction{0.6, 0, 0.8001}};
   each_family([&]<class Family>(const Family& family) {
-    if constexpr (Family::costly == 0 || has_tails<Family>) {
+    if constexpr (Family::tabulate == 0 || has_tails<Family>) {
       const mf::anisotropic_shape<double> shape(0.1, 0.6, 0.8, 0.6);
       const mf::ndf<Family, double> distribution(family, shape);
       for (const direction& d : w)
@@ -188,7 +188,7 @@ TEST(lanes_know_no_neighbours) {
     std::vector<std::vector<std::int32_t>> results;
     packs::each<float>([&]<class Pack>() {
       const Family<Pack> family(Pack(static_cast<float>(parameters))...);
-      const mf::isotropic_shape<Pack> shape(mf::twofold<Pack>(Pack(0.5F)));
+      const mf::isotropic_shape<Pack> shape(mf::double_double<Pack>(Pack(0.5F)));
       const mf::ndf<Family<Pack>, Pack, mf::isotropic_shape<Pack>> distribution(family, shape);
       results.push_back(packs::apply<Pack>(values, [&](const Pack& xi) {
         const Pack z = Pack(2) * xi - Pack(1.02F), x = sqrt(Pack(1) - z * z * Pack(0.95F));
@@ -208,21 +208,21 @@ TEST(lanes_know_no_neighbours) {
 // three dimensions: P2(R) = (1 - xi) P2(P).
 TEST(tables_of_the_mixture_scheme) {
   each_family([]<class Family>(const Family& family) {
-    if constexpr (Family::costly != 0) {
+    if constexpr (Family::tabulate != 0) {
       static mf::radial_tables<float> tables;
       tables.build(family, mf::of_all | mf::of_visible);
-      const mf::prepared<float> prepared(tables);
-      if (!prepared.composes()) return;
+      const mf::tabulated<float> tabulated(tables);
+      if (!tabulated.samples_from_tables()) return;
       const auto J = [&](double t) { return family.slope_excess(mf::slope<double>(t)); };
       const auto M = [&](double t) { return J(t) + t * family.slope_sf(mf::slope<double>(t)); };
       const auto P2 = [&](double t) { return family.P2(mf::slope<double>(t)); };
       for (const float v : {1e-6f, 1e-2f, 0.7f, 4.0f, 300.0f, 1e6f}) {
         const check::note at("v = ", v);
-        const double g = prepared.excess_radius(v);
+        const double g = tabulated.excess_radius(v);
         CHECK_NEAR(g / J(g), v, 4e-6 * std::max(1.0, g * g));
         for (const float xi : {0.01f, 0.5f, 0.95f}) {
-          const double P = prepared.moment_beyond(static_cast<float>(g), xi);
-          const double rest = prepared.across_of_tables(static_cast<float>(P), xi, 0.0f),
+          const double P = tabulated.moment_beyond(static_cast<float>(g), xi);
+          const double rest = tabulated.across_of_tables(static_cast<float>(P), xi, 0.0f),
                        R = std::hypot(P, rest);
           CHECK_NEAR(M(P), (1 - static_cast<double>(xi)) * M(g), 4e-6 * std::max(1.0, P * P));
           CHECK_NEAR(P2(R), (1 - static_cast<double>(xi)) * P2(P), 4e-6 * std::max(1.0, R * R));

@@ -14,12 +14,12 @@ class dielectric {
   static constexpr int parameters = 1, uniforms = 1;
 
   // The index of refraction below the surface over that above.
-  explicit dielectric(const T& eta) : eta_(where((eta > T(0)) & (eta <= largest<T>()), eta)) {}
+  explicit dielectric(const T& eta) : eta_(nan_unless((eta > T(0)) & (eta <= largest<T>()), eta)) {}
   explicit dielectric(const T* p) : dielectric(p[0]) {}
 
   // The same facets for light from below, in coordinates that are turned over.
   template <class Mask>
-  dielectric turned_over(const Mask& below) const {
+  dielectric flipped(const Mask& below) const {
     return dielectric(select(below, T(T(1) / eta_), eta_));
   }
 

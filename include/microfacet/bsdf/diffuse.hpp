@@ -13,7 +13,7 @@ class diffuse {
  public:
   static constexpr int parameters = 1, uniforms = 2;
 
-  explicit diffuse(const T& albedo) : albedo_(where((albedo >= T(0)) & (albedo <= T(1)), albedo)) {}
+  explicit diffuse(const T& albedo) : albedo_(nan_unless((albedo >= T(0)) & (albedo <= T(1)), albedo)) {}
   explicit diffuse(const T* p) : diffuse(p[0]) {}
 
   // The part of the light on a facet m that goes to wo, per steradian. Which facets see wo and wi has no

@@ -2,8 +2,8 @@
 // surface over the one above it; a conductor has eta - i k.
 #pragma once
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 
 namespace microfacet {
 
@@ -29,10 +29,10 @@ T scale_of_index(const T& largest) {
 // homogeneous in (eta, 1): both are scaled down where eta is huge.
 template <class T>
 fresnel_split<T> fresnel_dielectric(const T& cosine, const T& eta) {
-  const T c = minimum(abs(cosine), T(1)), given = where((eta > T(0)) & (eta <= largest<T>()), eta);
+  const T c = minimum(abs(cosine), T(1)), given = nan_unless((eta > T(0)) & (eta <= largest<T>()), eta);
   const T one = scale_of_index(given), index = given * one, near_c = c * one;
-  const twofold<T> excess = exact_product(index, index) + -exact_product(one, one),
-                   sum = excess + exact_product(near_c, near_c);
+  const double_double<T> excess = two_prod(index, index) + -two_prod(one, one),
+                         sum = excess + two_prod(near_c, near_c);
   const T inside = sum.high + sum.low, root = sqrt(maximum(inside, T(0)));  // eta cos behind the interface
   const T e = excess.high + excess.low, square_eta = index * index, floor = smallest<T>();
   const T sum_s = near_c + root, sum_p = square_eta * c + one * root + floor;
@@ -54,13 +54,13 @@ fresnel_split<T> fresnel_dielectric(const T& cosine, const T& eta) {
 // fresnel_dielectric.
 template <class T>
 T fresnel_conductor(const T& cosine, const T& eta_argument, const T& k_argument) {
-  const T given_eta = where((eta_argument > T(0)) & (eta_argument <= largest<T>()), eta_argument);
-  const T given_k = where((k_argument >= T(0)) & (k_argument <= largest<T>()), k_argument);
+  const T given_eta = nan_unless((eta_argument > T(0)) & (eta_argument <= largest<T>()), eta_argument);
+  const T given_k = nan_unless((k_argument >= T(0)) & (k_argument <= largest<T>()), k_argument);
   const T one = scale_of_index(maximum(given_eta, given_k)), eta = given_eta * one, k = given_k * one;
   const T cosine_1 = minimum(abs(cosine), T(1)), c = cosine_1 * one, c2 = c * c;
   const T s2 = (T(1) - cosine_1) * (T(1) + cosine_1);
-  const twofold<T> excess = exact_product(eta, eta) + -exact_product(k, k) + -exact_product(one, one);
-  const twofold<T> inside = excess + exact_product(c, c);
+  const double_double<T> excess = two_prod(eta, eta) + -two_prod(k, k) + -two_prod(one, one);
+  const double_double<T> inside = excess + two_prod(c, c);
   const T difference = inside.high + inside.low, e = excess.high + excess.low, twice = T(2) * eta * k;
   const T sum = sqrt(difference * difference + twice * twice);  // a^2 + b^2
   const T larger = T(0.5) * (sum + abs(difference)) + smallest<T>();

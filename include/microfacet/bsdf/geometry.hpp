@@ -12,7 +12,7 @@ vec3<T> scaled(const vec3<T>& a, const T& factor) {
 }
 // a + factor b
 template <class T>
-vec3<T> along(const vec3<T>& a, const vec3<T>& b, const T& factor) {
+vec3<T> axpy(const vec3<T>& a, const vec3<T>& b, const T& factor) {
   return {multiply_add(factor, b.x, a.x), multiply_add(factor, b.y, a.y), multiply_add(factor, b.z, a.z)};
 }
 template <class T>
@@ -29,7 +29,7 @@ vec3<T> select(const Mask& mask, const vec3<T>& a, const vec3<T>& b) {
 template <class T>
 vec3<T> normalized(const vec3<T>& w, const T& tolerance) {
   const auto near_1 = abs(T(dot(w, w) - T(1))) <= tolerance;
-  return choose(
+  return select_lazy(
       near_1, [&] { return w; },
       [&] {
         // By the largest component first: its square may be no number.
@@ -41,7 +41,7 @@ vec3<T> normalized(const vec3<T>& w, const T& tolerance) {
 // The mirror image of w about the normal m.
 template <class T>
 vec3<T> reflect(const vec3<T>& w, const vec3<T>& m) {
-  return along(scaled(w, T(-1)), m, T(T(2) * dot(w, m)));
+  return axpy(scaled(w, T(-1)), m, T(T(2) * dot(w, m)));
 }
 
 // The direction in which light from w passes on, where cosine_t is the cosine behind the facet
@@ -50,7 +50,7 @@ vec3<T> reflect(const vec3<T>& w, const vec3<T>& m) {
 template <class T>
 vec3<T> refract(const vec3<T>& w, const vec3<T>& m, const T& eta, const T& cosine_t) {
   const T above = minimum(T(T(1) / eta), T(1)), below = minimum(eta, T(1));
-  return unit(along(scaled(w, T(-above)), m, T(dot(w, m) * above - below * cosine_t)));
+  return unit(axpy(scaled(w, T(-above)), m, T(dot(w, m) * above - below * cosine_t)));
 }
 
 // Beyond this index of refraction wi no longer matters to the facet.
@@ -68,12 +68,12 @@ vec3<T> facet_along(const vec3<T>& h) {
 // The normal of the facet that reflects wi into wo.
 template <class T>
 vec3<T> reflecting_facet(const vec3<T>& wi, const vec3<T>& wo) {
-  return facet_along(along(wi, wo, T(1)));
+  return facet_along(axpy(wi, wo, T(1)));
 }
 // The one that refracts wi into wo, on the side of wi; there is such a facet where wo lies on its other side.
 template <class T>
 vec3<T> refracting_facet(const vec3<T>& wi, const vec3<T>& wo, const T& eta) {
-  const vec3<T> h = along(wi, wo, minimum(eta, largest_index<T>()));
+  const vec3<T> h = axpy(wi, wo, minimum(eta, largest_index<T>()));
   return facet_along(scaled(h, select(dot(wi, h) < T(0), T(-1), T(1))));
 }
 

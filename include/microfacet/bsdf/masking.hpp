@@ -39,7 +39,7 @@ T shadowing(const T& wi_z, const T& wo_z, const facet_statistics<T>& at, bool co
     const T lambda_i = maximum(T(whole - T(1)), T(0));
     return T(whole * G2_correlated(lambda_i, minimum(T(at.blocking / up), most), wo_z == wo_z));
   };
-  return choose(wo_z < T(0), transmitted, reflected);
+  return select_lazy(wo_z < T(0), transmitted, reflected);
 }
 
 }  // namespace microfacet

@@ -15,7 +15,7 @@
 #include "microfacet/bsdf/masking.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/vec.hpp"
-#include "microfacet/smith/sample_visible.hpp"
+#include "microfacet/smith/visible/sample_visible.hpp"
 
 namespace microfacet {
 
@@ -29,7 +29,7 @@ class scattering_pair {
       : material_(material), wi_(wi), wo_(wo) {
     if constexpr (transmits) {
       turned_ = select(wi.z < T(0), T(-1), T(1));
-      material_ = material.turned_over(wi.z < T(0)), wi_ = scaled(wi, turned_), wo_ = scaled(wo, turned_);
+      material_ = material.flipped(wi.z < T(0)), wi_ = scaled(wi, turned_), wo_ = scaled(wo, turned_);
     }
   }
   // With wo as the facet m scatters wi.
@@ -180,7 +180,7 @@ auto sample(const Material& material, const Distribution& ndf, const vec3<T>& wi
   };
   const auto found = ask(drawn.wo());
   const T largest((limits::max)());
-  if (!some_lane(found.pdf > largest)) return found;
+  if (!any_lane(found.pdf > largest)) return found;
   return ask(beside_peak(material, drawn.wo(), found.pdf, largest, T(limits::epsilon())));
 }
 

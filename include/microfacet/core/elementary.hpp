@@ -6,10 +6,10 @@
 // normal numbers arguments and results count as zero.
 #pragma once
 
-#include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/format.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/pack.hpp"
+#include "microfacet/core/polynomial.hpp"
 
 namespace microfacet {
 
@@ -33,7 +33,7 @@ MICROFACET_INLINE R floor(const R& x) {
 
 // a * b - p for p = a * b rounded: fused, or by splitting both factors (Dekker, Numer. Math. 18, 1971).
 template <class R>
-MICROFACET_INLINE R product_error(const R& a, const R& b, const R& p) {
+MICROFACET_INLINE R two_prod_error(const R& a, const R& b, const R& p) {
 #if MICROFACET_FUSED
   return multiply_add(a, b, R(-p));
 #else
@@ -137,7 +137,7 @@ template <class R>
 MICROFACET_INLINE R pow(const R& x, const R& y) {
   const logarithm<R> l = elementary::log(x, R(0));
   const R p = rounded(R(y * l.high));
-  return elementary::exp(p, R(multiply_add(y, l.low, elementary::product_error(y, l.high, p))));
+  return elementary::exp(p, R(multiply_add(y, l.low, elementary::two_prod_error(y, l.high, p))));
 }
 
 // cos and sin of 2 pi x.
@@ -165,9 +165,9 @@ MICROFACET_INLINE circle<R> cos_sin_of_turns(const R& x) {
 
 // Zero for a scalar whose products are not known exactly.
 template <class T>
-MICROFACET_INLINE T product_error(const T& a, const T& b, const T& p) {
+MICROFACET_INLINE T two_prod_error(const T& a, const T& b, const T& p) {
   if constexpr (elementary::has_lanes<T>) {
-    return elementary::product_error(a, b, p);
+    return elementary::two_prod_error(a, b, p);
   } else {
     return T(0);
   }

@@ -4,7 +4,7 @@
 // using-declarations below and any other scalar (a SIMD batch, an automatic-differentiation number, a Dr.Jit
 // array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no
 // `if` on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
-// some_lane(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes
+// any_lane(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes
 // a result beyond rounding.
 #pragma once
 
@@ -43,7 +43,7 @@ template <std::floating_point T>
 constexpr T select(bool mask, T a, T b) {
   return mask ? a : b;
 }
-constexpr bool some_lane(bool mask) { return mask; }
+constexpr bool any_lane(bool mask) { return mask; }
 
 // The floating-point type in which a T computes; specialise it for a scalar that is not itself one.
 template <class T>
@@ -85,9 +85,9 @@ MICROFACET_INLINE T minimum(const T& a, const T& b) {
 
 // select between two computations, of which one is left out where no lane needs it.
 template <class Mask, class Taken, class Other>
-auto choose(const Mask& mask, const Taken& taken, const Other& other) {
-  if (!some_lane(mask)) return other();
-  if (!some_lane(!mask)) return taken();
+auto select_lazy(const Mask& mask, const Taken& taken, const Other& other) {
+  if (!any_lane(mask)) return other();
+  if (!any_lane(!mask)) return taken();
   return select(mask, taken(), other());
 }
 
@@ -123,7 +123,7 @@ MICROFACET_INLINE T multiply_add(const T& a, const T& b, const T& c) {
 
 // x where the condition holds, nan elsewhere: how a parameter outside its domain turns a lane into nan.
 template <class T, class Mask>
-MICROFACET_INLINE T where(const Mask& condition, const T& x) {
+MICROFACET_INLINE T nan_unless(const Mask& condition, const T& x) {
   return select(condition, x, nan<T>());
 }
 
@@ -164,7 +164,7 @@ inline constexpr parameter roughness{"alpha", 1e-101, 1e101, 1e-101};
 // x inside the interval of a parameter, nan outside.
 template <class T>
 MICROFACET_INLINE T inside(const parameter& domain, const T& x) {
-  return where((x > T(domain.density_lower)) & (x < T(domain.upper)), x);
+  return nan_unless((x > T(domain.density_lower)) & (x < T(domain.upper)), x);
 }
 
 // A quantity that a last factor lifts is computed times 2^lift, so that it underflows only where the result

@@ -101,10 +101,10 @@ struct pack {
 };
 
 template <class T, std::size_t B, int K>
-MICROFACET_INLINE bool some_lane(const pack<T, B, K>& mask) {
+MICROFACET_INLINE bool any_lane(const pack<T, B, K>& mask) {
   typename pack<T, B, K>::vector all = mask.v[0];
   for (int k = 1; k < K; ++k) all |= mask.v[k];
-  return registers::some_lane(all);
+  return registers::any_lane(all);
 }
 
 template <class T, std::size_t B, int K>

@@ -25,7 +25,7 @@ MICROFACET_INLINE Vector fused(Vector a, const Vector& b, const Vector& c) {
 }
 // Of lanes that are 0 or -1.
 template <class Vector>
-MICROFACET_INLINE bool some_lane(const Vector& mask) {
+MICROFACET_INLINE bool any_lane(const Vector& mask) {
 #if defined(__x86_64__)
   if constexpr (sizeof mask == 16) return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask)) != 0;
 #if defined(__AVX__)

@@ -12,12 +12,6 @@
 
 namespace microfacet {
 
-template <template <class> class Family>
-struct family_tag {
-  template <class T>
-  using type = Family<T>;
-};
-
 using all_families = std::tuple<family_tag<beckmann>, family_tag<ggx>, family_tag<gtr>, family_tag<student_t>,
                                 family_tag<k0>, family_tag<bessel_k>>;
 

@@ -12,11 +12,11 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
-#include "microfacet/family/visible_tables.hpp"
 #include "microfacet/special/erf.hpp"
+#include "microfacet/tabulated/visible_tables.hpp"
 
 namespace microfacet {
 
@@ -35,21 +35,20 @@ class beckmann {
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
                                                            "deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true;
-  static constexpr unsigned costly = 0;
+  static constexpr bool float32_arithmetic = true;
+  static constexpr unsigned tabulate = 0;
 
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
 
-  T nothing() const { return T(0); }
-  T P22(const twofold<T>& r2) const { return exp(-r2) * T(1 / pi); }
-  MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
+  T zero_or_nan() const { return T(0); }
+  T P22(const double_double<T>& r2) const { return exp(-r2) * T(1 / pi); }
+  MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
-    const T value = exp<2 * lift<T>>(-quotient(h2, exact_product(z, z), reciprocal)),
-            scale = lowered(reciprocal);
+    const T value = exp<2 * lift<T>>(-quotient(h2, two_prod(z, z), reciprocal)), scale = lowered(reciprocal);
     return rounded(T(value * scale)) * (scale * T(1 / pi));
   }
-  T survival(const twofold<T>& r2) const { return exp<8>(-r2) * T(0x1p-8); }
+  T survival(const double_double<T>& r2) const { return exp<8>(-r2) * T(0x1p-8); }
   T radius2(const T& xi) const { return -log1p(-xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
     return exp<lift<T>>(-t.squared) * rounded(lowered(T(T(1 / sqrt_pi) * factor)));
@@ -64,14 +63,14 @@ class beckmann {
     return {T(0.5) * exp<lift<T>>(-x.squared) * numerator, denominator};
   }
 
-  // What smith/visible_slope.hpp asks for.
+  // What smith/visible/slope.hpp asks for.
   T sf_over_density(const T& t) const {
-    return choose(
+    return select_lazy(
         t > detail::where_erfc_lives(t), [&] { return T(T(0.5) / t * far_tail(t, {2, 12, 120, 1680})); },
         [&] { return T(T(0.5 * sqrt_pi) * erfc_scaled(t)); });
   }
   T excess_over_density(const T& t, const T&) const {
-    return choose(
+    return select_lazy(
         t > detail::where_erfc_lives(t),
         [&] { return T(T(0.25) / (t * t) * far_tail(t, {6, 60, 840, 15120})); },
         [&] { return T(T(0.5 * sqrt_pi) * ierfc_scaled(t)); });
@@ -102,13 +101,13 @@ class beckmann {
   // The slope across the plane of incidence is independent of that in it.
   static constexpr int visible_dimensions = 2;
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
-  // For smith/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
+  // For smith/visible/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
   static constexpr int mixture_dimensions = 3;
-  bool composes() const { return true; }
+  bool samples_from_tables() const { return true; }
   T excess_radius(const T& v) const
     requires(elementary::has_lanes<T> && single)
   {
-    return detail::beckmann_excess_radius<beckmann<double>>(twofold<T>(v));
+    return detail::beckmann_excess_radius<beckmann<double>>(double_double<T>(v));
   }
   T moment_beyond(const T& t, const T& xi) const { return sqrt(t * t - log1p(-xi)); }
   T across_of_tables(const T&, const T& xi, const T&) const { return across_by_quantile(xi); }

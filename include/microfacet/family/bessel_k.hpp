@@ -13,8 +13,8 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/special/bessel.hpp"
 #include "microfacet/special/bessel_complement.hpp"
@@ -31,24 +31,24 @@ class bessel_k {
   static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, 1e100, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = false;
-  static constexpr unsigned costly = of_all;
+  static constexpr bool float32_arithmetic = false;
+  static constexpr unsigned tabulate = of_all;
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   static bool sampling_fits_float32(double a) { return a >= 0.5; }
 
   // Below least_shape, where all is proportional to a, its powers would leave the range.
   explicit bessel_k(const T& a) : a_(maximum(inside(parameters[0], a), T(least_shape))) {}
 
-  T nothing() const { return T(0) * a_; }
-  T P22(const twofold<T>& r2) const { return density(sqrt(r2), T(1)); }
+  T zero_or_nan() const { return T(0) * a_; }
+  T P22(const double_double<T>& r2) const { return density(sqrt(r2), T(1)); }
   // The density of slopes of length y; near its singularity the square of y underflows first.
-  T P22_of_slope(const T& y) const { return density(twofold<T>(y), T(1)); }
-  T D(const T& z_argument, const twofold<T>& h2) const {
+  T P22_of_slope(const T& y) const { return density(double_double<T>(y), T(1)); }
+  T D(const T& z_argument, const double_double<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
-    return density(sqrt(quotient(h2, exact_product(z, z), reciprocal)), reciprocal);
+    return density(sqrt(quotient(h2, two_prod(z, z), reciprocal)), reciprocal);
   }
-  T survival(const twofold<T>& r2) const {
+  T survival(const double_double<T>& r2) const {
     const bessel::neighbours<T> k = bessel::orders(a_, sqrt(r2));
     return minimum(T(a_ * k.at * k.decay * k.decay), T(1));
   }
@@ -64,8 +64,8 @@ class bessel_k {
     T y = T(0.8) * sqrt(a_);
     auto moving = y == y;  // a lane that has converged stays, so that a batch gives what a scalar gives
     for (int i = 0; i < most; ++i) {
-      const bessel::neighbours<T> k = bessel::orders(a_, twofold<T>(y));
-      const T next = choose(
+      const bessel::neighbours<T> k = bessel::orders(a_, double_double<T>(y));
+      const T next = select_lazy(
           lower,
           [&] {
             const T cdf = bessel::complement(a_, y, k), slope = T(2) * a_ * (k.below * k.decay * k.decay);
@@ -80,10 +80,10 @@ class bessel_k {
           abs(bounded - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
       y = select(moving, bounded, y);
       moving = moving & unsettled;
-      if (!some_lane(moving)) break;
+      if (!any_lane(moving)) break;
     }
     const T less = select(smooth, T(sqrt(xi_argument) / sqrt(xi)), T(1));
-    return select(xi_argument == T(0), nothing(), select(xi == T(1), infinite<T>(), T(y * less)));
+    return select(xi_argument == T(0), zero_or_nan(), select(xi == T(1), infinite<T>(), T(y * less)));
   }
   T P2(const slope<T>& t) const {
     const auto finite = a_ > T(0.5);
@@ -99,14 +99,14 @@ class bessel_k {
  private:
   // At slopes of length y, times `factor` squared, from h_{a-1}: directly for a >= 1/2, else through y^2
   // h_{a-1}, the neighbour below order a.
-  T density(const twofold<T>& y, const T& factor) const {
+  T density(const double_double<T>& y, const T& factor) const {
     const auto direct = a_ >= T(0.5);
     const bessel::neighbours<T> k = bessel::orders(T(select(direct, T(a_ - T(1)), a_)), y);
     const T inside = maximum(y.high, bessel::least_argument<T>()), decay = k.decay * factor;
     const T once = select(direct, k.at, T(rounded(T(a_ * k.below / inside)) / inside)) * decay;
     const T value = rounded(once) * (decay * T(1 / pi));
     const auto finite = a_ > T(1);
-    const T at_normal = square(factor) / (T(pi) * select(finite, T(a_ - T(1)), T(1))) + nothing();
+    const T at_normal = square(factor) / (T(pi) * select(finite, T(a_ - T(1)), T(1))) + zero_or_nan();
     return select(y.high == T(0), select(finite, at_normal, T(at_normal * infinite<T>())), value);
   }
 

@@ -12,8 +12,8 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/family/spherical_cap.hpp"
 
@@ -28,13 +28,13 @@ class ggx {
   static constexpr std::array<std::string_view, 3> sources{"trowbridge1975average", "walter2007microfacet",
                                                            "heitz2014masking"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true;
-  static constexpr unsigned costly = 0;
+  static constexpr bool float32_arithmetic = true;
+  static constexpr unsigned tabulate = 0;
 
-  T nothing() const { return T(0); }
-  T P22(const twofold<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.high)); }
-  T D(const T& z, const twofold<T>& h2) const { return T(1 / pi) / square(T(z * z + h2.high)); }
-  T survival(const twofold<T>& r2) const { return T(1) / (T(1) + r2.high); }
+  T zero_or_nan() const { return T(0); }
+  T P22(const double_double<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.high)); }
+  T D(const T& z, const double_double<T>& h2) const { return T(1 / pi) / square(T(z * z + h2.high)); }
+  T survival(const double_double<T>& r2) const { return T(1) / (T(1) + r2.high); }
   T radius2(const T& xi) const { return xi / (T(1) - xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
     const T a = T(1) + t.squared.high;

@@ -15,8 +15,8 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/gtr_marginal.hpp"
 #include "microfacet/family/radial.hpp"
 
@@ -30,8 +30,8 @@ class gtr {
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 0.0, 1e100, 0.0}}};
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
-  static constexpr bool native_float32 = false;
-  static constexpr unsigned costly = of_all & ~of_P22;
+  static constexpr bool float32_arithmetic = false;
+  static constexpr unsigned tabulate = of_all & ~of_P22;
   static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
 
   gtr(const T& alpha, const T& gamma)
@@ -52,27 +52,27 @@ class gtr {
     norm_ = T(1) / (T(pi) * smaller_ * omega_ * select(narrow, down_, up_));
   }
 
-  T nothing() const { return T(0) * norm_; }
-  T P22(const twofold<T>& r2) const { return D(T(1), r2); }
+  T zero_or_nan() const { return T(0) * norm_; }
+  T P22(const double_double<T>& r2) const { return D(T(1), r2); }
 
   // P22 = norm exp(-gamma X)/(1 + r2)^2, X being V for alpha < 1, else L: a difference that large gamma
   // leaves exact.
-  T D(const T& z, const twofold<T>& h2_argument) const {
-    const twofold<T> h2 = bounded(h2_argument), z2 = exact_product(z, z), length2 = z2 + h2;
+  T D(const T& z, const double_double<T>& h2_argument) const {
+    const double_double<T> h2 = bounded(h2_argument), z2 = two_prod(z, z), length2 = z2 + h2;
     const auto narrow = alpha_ < T(1);
-    const twofold<T> part = quotient(select(narrow, h2, z2), smaller() * length2);
+    const double_double<T> part = quotient(select(narrow, h2, z2), smaller() * length2);
     const T reciprocal = T(1) / length2.high;
-    const T fall = exp<lift<T>>(-(log1p_twofold(exact_span() * part) * twofold<T>(gamma_)));
+    const T fall = exp<lift<T>>(-(log1p_double_double(exact_span() * part) * double_double<T>(gamma_)));
     return rounded(T(rounded(T(fall * lowered(norm_))) * reciprocal)) * reciprocal;
   }
 
-  T survival(const twofold<T>& r2) const {
+  T survival(const double_double<T>& r2) const {
     // exp(L) - 1 = |1 - alpha^2|/(r2 + min), exp(V) - 1 = |1 - alpha^2| r2/(min (r2 + max)).
     const T sum = r2.high + smaller_, l_over_span = log1p_over(T(span_ / sum)) / sum;
-    const twofold<T> v = log1p_twofold(exact_span() * ratio(r2));
+    const double_double<T> v = log1p_double_double(exact_span() * ratio(r2));
     // phi(-x) = exp(-x) phi(x): the two forms are equal, and each overflows where the other does not.
     const T gl = g_ * span_ * l_over_span;
-    const T ratio = select(g_ > T(0), T(exp(-(v * twofold<T>(g_))) * expm1_over(T(-gl)) / down_),
+    const T ratio = select(g_ > T(0), T(exp(-(v * double_double<T>(g_))) * expm1_over(T(-gl)) / down_),
                            T(expm1_over(gl) / up_));
     return minimum(T(l_over_span / omega_ * ratio), T(1));
   }
@@ -84,7 +84,7 @@ class gtr {
     const T rest = T(1) - xi;
     const T v = log_mean_exp(xi, rest, T(-g_ * beta_), down_), l = log_mean_exp(rest, xi, T(g_ * beta_), up_);
     const T rise = sqrt(v * expm1_over(T(-beta_ * v))), fall = sqrt(l * expm1_over(T(beta_ * l)));
-    return select(xi == T(0), nothing(), T(maximum(alpha_, T(1)) * rise / fall));
+    return select(xi == T(0), zero_or_nan(), T(maximum(alpha_, T(1)) * rise / fall));
   }
 
   // Whether P22, and with it P2, falls everywhere: the logarithmic derivative of P22 at r2 = 0 is the
@@ -92,18 +92,18 @@ class gtr {
   auto falls() const { return (gamma_ - T(2)) * a2_ <= gamma_; }
   T P2(const slope<T>& t_argument) const {
     const slope<T> t = microfacet::bounded(slope<T>(abs(t_argument.value), t_argument.squared));
-    return choose(
+    return select_lazy(
         gamma_ == T(1), [&] { return closed_marginal(t).density(); }, [&] { return marginal(t).density(); });
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& above) {
       const slope<T> x = microfacet::bounded(above);
-      return choose(
+      return select_lazy(
           gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
     });
   }
   T slope_excess(const slope<T>& x) const {
-    return choose(
+    return select_lazy(
         gamma_ == T(1), [&] { return closed_marginal(x).excess(); }, [&] { return marginal(x).excess(); });
   }
 
@@ -119,7 +119,7 @@ class gtr {
     return select(large, grown, select(lost, shrunk, between));
   }
 
-  static twofold<T> bounded(const twofold<T>& r2) {
+  static double_double<T> bounded(const double_double<T>& r2) {
     const T most = square(largest_slope<T>());
     return {minimum(r2.high, most), select(r2.high > most, T(0), r2.low)};
   }
@@ -130,17 +130,17 @@ class gtr {
     return {x, smaller_, exact_span(), ratio(x.squared), g_, T(omega_ * select(g_ > T(0), down_, up_))};
   }
   // |1 - alpha^2|, and (exp(V) - 1) over it, with the digits that an exponent needs.
-  twofold<T> exact_span() const {
-    const twofold<T> span = larger() + -smaller();
-    return exact_sum_of_ordered(span.high, span.low);
+  double_double<T> exact_span() const {
+    const double_double<T> span = larger() + -smaller();
+    return fast_two_sum(span.high, span.low);
   }
-  twofold<T> ratio(const twofold<T>& r2_argument) const {
-    const twofold<T> r2 = bounded(r2_argument);
+  double_double<T> ratio(const double_double<T>& r2_argument) const {
+    const double_double<T> r2 = bounded(r2_argument);
     return quotient(r2, smaller() * (larger() + r2));
   }
-  twofold<T> smaller() const { return {smaller_, select(alpha_ < T(1), a2_low(), T(0))}; }
-  twofold<T> larger() const { return {larger_, select(alpha_ < T(1), T(0), a2_low())}; }
-  T a2_low() const { return product_error(alpha_, alpha_, a2_); }
+  double_double<T> smaller() const { return {smaller_, select(alpha_ < T(1), a2_low(), T(0))}; }
+  double_double<T> larger() const { return {larger_, select(alpha_ < T(1), T(0), a2_low())}; }
+  T a2_low() const { return two_prod_error(alpha_, alpha_, a2_); }
 
   T alpha_, gamma_, a2_;
   T span_, omega_, beta_, g_, up_, down_, smaller_, larger_, norm_;

@@ -13,9 +13,9 @@
 //   P2(x)           = 1/pi int 1/rho d(survival)
 #pragma once
 
+#include "microfacet/approx/midpoint.hpp"
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/quadrature.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/gtr_wide_circles.hpp"
 #include "microfacet/family/radial.hpp"
 
@@ -45,8 +45,8 @@ class gtr_marginal {
  public:
   // span = max - min, ratio = (exp(L(0) - L(x^2)) - 1)/span, and scale = beta/span (1 - exp(-|g| beta))/(|g|
   // beta), the denominator of survival.
-  gtr_marginal(const slope<T>& x, const T& smaller, const twofold<T>& span, const twofold<T>& ratio,
-               const T& g, const T& scale)
+  gtr_marginal(const slope<T>& x, const T& smaller, const double_double<T>& span,
+               const double_double<T>& ratio, const T& g, const T& scale)
       : x_(x.value.high),
         amplitude_(sqrt(x.squared.high + smaller)),
         g_(select(abs(g) < T(least), T(least), g)),
@@ -56,8 +56,8 @@ class gtr_marginal {
     const T a2 = x.squared.high + smaller, excess = span.high / a2;
     const T whole = maximum(T(log1p(excess)), T(least));
     whole_over_span_ = select(excess > T(least), T(whole / excess), T(1)) / a2;
-    const twofold<T> lift = span * ratio, beyond = log1p_twofold(lift);  // L(0) - L(x^2)
-    const twofold<T> decay = beyond * twofold<T>(maximum(g_, T(0)));
+    const double_double<T> lift = span * ratio, beyond = log1p_double_double(lift);  // L(0) - L(x^2)
+    const double_double<T> decay = beyond * double_double<T>(maximum(g_, T(0)));
     fall_ = exp(-decay);
     const T beyond_over_span = select(lift.high > T(least), T(beyond.high / span.high), ratio.high);
     // Where survival grows by many orders of magnitude, its upper end is all that counts: also of the excess,
@@ -78,18 +78,18 @@ class gtr_marginal {
   }
 
   T excess() const {
-    return choose(
+    return select_lazy(
         early_,
         [&] { return wide().mean([&](const T& rho, const T& angle) { return T(rho - x_ * angle); }); },
         [&] { return excess_of_circles(); });
   }
   T sf() const {
-    return choose(
+    return select_lazy(
         early_, [&] { return wide().mean([](const T&, const T& angle) { return angle; }); },
         [&] { return sf_of_circles(); });
   }
   T density() const {
-    return choose(
+    return select_lazy(
         early_, [&] { return wide().mean([](const T& rho, const T&) { return T(T(1) / rho); }); },
         [&] { return density_of_circles(); });
   }

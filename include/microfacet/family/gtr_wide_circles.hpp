@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "microfacet/core/gauss.hpp"
+#include "microfacet/approx/gauss.hpp"
 #include "microfacet/core/math.hpp"
 
 namespace microfacet::detail {

@@ -13,11 +13,11 @@
 #include <numbers>
 #include <string_view>
 
-#include "microfacet/core/chebyshev.hpp"
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
+#include "microfacet/core/polynomial.hpp"
 #include "microfacet/family/radial.hpp"
-#include "microfacet/special/coefficients.hpp"
+#include "microfacet/special/coefficients/special.hpp"
 
 namespace microfacet {
 
@@ -28,8 +28,8 @@ namespace detail {
 template <class T>
 class k0_functions {
  public:
-  explicit k0_functions(const twofold<T>& y2) : k0_functions(sqrt(y2), y2.high) {}
-  k0_functions(const twofold<T>& y, const T& y2)
+  explicit k0_functions(const double_double<T>& y2) : k0_functions(sqrt(y2), y2.high) {}
+  k0_functions(const double_double<T>& y, const T& y2)
       : near_(y.high < T(0.5625)), y_(minimum(maximum(y.high, smallest<T>()), T(1e3))), y2_(y2), decay_(y) {}
 
   template <int Bias = 0>
@@ -46,10 +46,10 @@ class k0_functions {
                polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_) /
                (polynomial(by_precision<T>(k0_far_denominator_32, k0_far_denominator_64), y_) * sqrt(y_)));
     };
-    return choose(near_, inside, outside);
+    return select_lazy(near_, inside, outside);
   }
   T survival() const {  // 2y K_1(2y)
-    return choose(near_, [&] { return T(T(1) - within()); }, [&] { return beyond(); });
+    return select_lazy(near_, [&] { return T(T(1) - within()); }, [&] { return beyond(); });
   }
   // 1 - survival near 0, survival elsewhere, both to full relative accuracy.
   T within() const {
@@ -69,7 +69,7 @@ class k0_functions {
 
   decltype(T(0) < T(0)) near_;
   T y_, y2_;
-  twofold<T> decay_;
+  double_double<T> decay_;
 };
 
 }  // namespace detail
@@ -82,22 +82,22 @@ class k0 {
   static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true;
-  static constexpr unsigned costly = 0;
+  static constexpr bool float32_arithmetic = true;
+  static constexpr unsigned tabulate = 0;
 
-  T nothing() const { return T(0); }
-  T P22(const twofold<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }
+  T zero_or_nan() const { return T(0); }
+  T P22(const double_double<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }
   T P22_of_slope(const T& y) const { return peaked(detail::k0_functions<T>(y, T(y * y)), y); }
-  MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
+  MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
     const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
-    const twofold<T> r2 = quotient(h2, exact_product(z, z), reciprocal);
-    const twofold<T> finite(minimum(r2.high, T(1e30)), r2.low);  // a fast root of infinity may be nan
+    const double_double<T> r2 = quotient(h2, two_prod(z, z), reciprocal);
+    const double_double<T> finite(minimum(r2.high, T(1e30)), r2.low);  // a fast root of infinity may be nan
     const T scale = lowered(reciprocal);
     const T once = rounded(T(detail::k0_functions<T>(finite).template density<2 * lift<T>>() * scale));
     return select(r2.high == T(0), infinite<T>(), T(once * (scale * T(1 / pi))));
   }
-  T survival(const twofold<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
+  T survival(const double_double<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
   T radius2(const T& xi) const { return square(radius(xi)); }
   // Newton's method: near the normal on log(1 - survival) against log y, beyond on log(survival) against y.
   T radius(const T& xi_argument) const {
@@ -112,8 +112,8 @@ class k0 {
       const detail::k0_functions<T> at(y, T(y * y));
       const auto inner = y < T(0.5625);
       const T slope = T(2) * y * at.density();
-      const T within = choose(inner, [&] { return at.within(); }, [&] { return T(T(1) - at.beyond()); });
-      const T beyond = choose(inner, [&] { return T(T(1) - at.within()); }, [&] { return at.beyond(); });
+      const T within = select_lazy(inner, [&] { return at.within(); }, [&] { return T(T(1) - at.beyond()); });
+      const T beyond = select_lazy(inner, [&] { return T(T(1) - at.within()); }, [&] { return at.beyond(); });
       const T left = (target - log(within)) * within / (y * slope);
       const T right = (log(beyond) - target) * beyond / slope;
       const T next = select(lower, T(y * exp(minimum(maximum(left, T(-30)), T(1)))),
@@ -122,10 +122,10 @@ class k0 {
           abs(next - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
       y = select(moving, next, y);
       moving = moving & unsettled;
-      if (!some_lane(moving)) break;
+      if (!any_lane(moving)) break;
     }
     const auto tiny = (xi_argument < xi) & (xi_argument > T(0));
-    return choose(
+    return select_lazy(
         tiny, [&] { return radius_of_tiny(T(select(tiny, xi_argument, xi))); },
         [&] { return T(select(xi_argument == T(0), T(0), y)); });
   }
@@ -157,7 +157,7 @@ class k0 {
     const T outside = select(all >= x, all, T(T(2) * sqrt(maximum(T(x * all), T(0))) - x));
     const T along = select(first, leaning, select(R <= x, inside, outside));
     const T across2 = select(first, T(e * (e + T(2) * along)), T((R - along) * (R + along)));
-    const T valid = where((xi2 >= T(0)) & (xi2 < T(1)), xi2);
+    const T valid = nan_unless((xi2 >= T(0)) & (xi2 < T(1)), xi2);
     return {along, sqrt(maximum(across2, T(0))) * elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine};
   }
 

@@ -7,9 +7,8 @@
 
 #include <concepts>
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/quadrature.hpp"
-#include "microfacet/core/twofold.hpp"
 
 namespace microfacet {
 
@@ -28,14 +27,14 @@ enum radial_function : unsigned {
 // A slope with its square; exponents are made of the one or the other.
 template <class T>
 struct slope {
-  twofold<T> value, squared;
+  double_double<T> value, squared;
 
-  slope(const T& t) : slope(twofold<T>(t)) {}
-  slope(const twofold<T>& t) : slope(t, square(t)) {}
-  slope(const twofold<T>& t, const twofold<T>& t2) : value(t), squared(t2) {}
+  slope(const T& t) : slope(double_double<T>(t)) {}
+  slope(const double_double<T>& t) : slope(t, square(t)) {}
+  slope(const double_double<T>& t, const double_double<T>& t2) : value(t), squared(t2) {}
   // From the exact square, `root` being its square root to rounding.
-  static slope of_square(const T& root, const twofold<T>& t2) {
-    const T rest = exact_residual(t2.high, root, root) + t2.low;
+  static slope of_square(const T& root, const double_double<T>& t2) {
+    const T rest = residual(t2.high, root, root) + t2.low;
     return slope({root, T(0.5) * rest / maximum(root, smallest<T>())}, t2);
   }
 };
@@ -63,10 +62,10 @@ visible_slopes<T> select(const Mask& mask, const visible_slopes<T>& a, const vis
 
 // clang-format off
 template <class F>
-concept radial_family = requires(const F f, typename F::scalar xi, twofold<typename F::scalar> r2, slope<typename F::scalar> t) {
+concept radial_family = requires(const F f, typename F::scalar xi, double_double<typename F::scalar> r2, slope<typename F::scalar> t) {
   F::name;                                                     // one string everywhere
   F::parameters;                                               // std::array<parameter, n>: the shape parameters
-  { f.nothing() } -> std::convertible_to<typename F::scalar>;        // 0, nan where a parameter lies outside its domain
+  { f.zero_or_nan() } -> std::convertible_to<typename F::scalar>;        // 0, nan where a parameter lies outside its domain
   F::sources;                                                  // keys of references.bib
   { F::shape_invariant } -> std::convertible_to<bool>;         // whether roughness is a stretch of the slopes
   { f.P22(r2) } -> std::convertible_to<typename F::scalar>;    // joint density of slopes at squared slope r2
@@ -79,12 +78,20 @@ concept radial_family = requires(const F f, typename F::scalar xi, twofold<typen
 };
 // clang-format on
 
+// A family by its name, whatever its numbers are.
+template <template <class> class Family>
+struct family_tag {
+  template <class T>
+  using type = Family<T>;
+};
+
 // A slope t >= 0 whose square is finite: the largest stands for all above it.
 template <class T>
 slope<T> bounded(const slope<T>& t) {
   const T most = largest_slope<T>();
   const auto beyond = t.value.high > most;
-  return {select(beyond, twofold<T>(most), t.value), select(beyond, twofold<T>(T(most * most)), t.squared)};
+  return {select(beyond, double_double<T>(most), t.value),
+          select(beyond, double_double<T>(T(most * most)), t.squared)};
 }
 
 // A probability above t >= 0 made one for any t by symmetry: 1/2 at 0 and nothing above infinity. The square

@@ -14,8 +14,8 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/family/spherical_cap.hpp"
 #include "microfacet/special/gamma.hpp"
@@ -32,41 +32,43 @@ class student_t {
   static constexpr std::array<std::string_view, 2> sources{"ribardiere2017std", "deon2020hitchhiker"};
   static constexpr double least_gamma = parameters[0].density_lower;
   static constexpr bool shape_invariant = true;
-  static constexpr bool native_float32 = true;
-  static constexpr unsigned costly = of_slope_sf | of_slope_excess;
+  static constexpr bool float32_arithmetic = true;
+  static constexpr unsigned tabulate = of_slope_sf | of_slope_excess;
 
   // Beyond gaussian_ the tails are Beckmann's to rounding, as far as they are numbers.
   explicit student_t(const T& gamma)
       : k_(minimum(T(inside(parameters[0], gamma) - T(1)), T(gaussian))),
         norm_(gamma_half_step(k_) / T(sqrt_pi)),
-        inverse_k_(quotient(twofold<T>(T(1)), twofold<T>(k_))) {}
+        inverse_k_(quotient(double_double<T>(T(1)), double_double<T>(k_))) {}
 
-  T nothing() const { return T(0) * k_; }
-  T P22(const twofold<T>& r2) const { return power(r2, T(k_ + T(1))) * T(1 / pi); }
+  T zero_or_nan() const { return T(0) * k_; }
+  T P22(const double_double<T>& r2) const { return power(r2, T(k_ + T(1))) * T(1 / pi); }
   // z^(2 gamma - 4) (z^2 + h2/k)^-gamma, in one exponent.
-  MICROFACET_INLINE T D(const T& z_argument, const twofold<T>& h2) const {
+  MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
     const T least = T(single ? 1e-13 : 1e-140), z = maximum(z_argument, least);
-    const twofold<T> z2 = exact_product(z, z), gamma = exact_sum(k_, T(1)), product = h2 * inverse_k_;
+    const double_double<T> z2 = two_prod(z, z), gamma = two_sum(k_, T(1)), product = h2 * inverse_k_;
     // Near the largest number a product is not split without overflow.
-    const twofold<T> steepness(product.high, select(product.high < T(largest_ratio), product.low, T(0)));
+    const double_double<T> steepness(product.high,
+                                     select(product.high < T(largest_ratio), product.low, T(0)));
     const auto grazing = (z_argument < least) | (steepness.high * T(1 / largest_ratio) > z2.high);
     // Where z^2 is nothing beside the other term, and the rounding of z^2 underflows.
     const auto power_of_z = [&] {
       const T positive = select(grazing, maximum(z_argument, smallest<T>()), T(1));
-      return log_twofold(select(grazing, steepness, twofold<T>(T(1)))) * gamma +
-             log_twofold(twofold<T>(positive)) * exact_sum(T(2), T(T(-2) * k_));
+      return log_double_double(select(grazing, steepness, double_double<T>(T(1)))) * gamma +
+             log_double_double(double_double<T>(positive)) * two_sum(T(2), T(T(-2) * k_));
     };
     const auto in_one = [&] {
-      const twofold<T> exponent = log1p_twofold(quotient(steepness, z2)) * gamma, rest = log_twofold(z2);
-      const twofold<T> sum = exact_sum(exponent.high, T(T(2) * rest.high));
-      return twofold<T>(sum.high, T(sum.low + (exponent.low + T(2) * rest.low)));
+      const double_double<T> exponent = log1p_double_double(quotient(steepness, z2)) * gamma,
+                             rest = log_double_double(z2);
+      const double_double<T> sum = two_sum(exponent.high, T(T(2) * rest.high));
+      return double_double<T>(sum.high, T(sum.low + (exponent.low + T(2) * rest.low)));
     };
-    return exp(-choose(grazing, power_of_z, in_one)) * T(1 / pi);
+    return exp(-select_lazy(grazing, power_of_z, in_one)) * T(1 / pi);
   }
-  T survival(const twofold<T>& r2) const { return power<8>(r2, k_) * T(0x1p-8); }
+  T survival(const double_double<T>& r2) const { return power<8>(r2, k_) * T(0x1p-8); }
   // Of a slope whose square may be infinite.
   T survival_of_slope(const T& r) const {
-    return exp<8>(-(growth(slope<T>(r)) * twofold<T>(k_))) * T(0x1p-8);
+    return exp<8>(-(growth(slope<T>(r)) * double_double<T>(k_))) * T(0x1p-8);
   }
   T radius2(const T& xi) const { return square(radius(xi)); }
   // For gamma near 1 slopes reach beyond the square root of the largest number.
@@ -75,7 +77,8 @@ class student_t {
     return sqrt((T(0) - depth) * expm1_over(growth)) * exp(T(-0.5) * growth);
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<lift<T>>(-(growth(t) * twofold<T>(T(k_ + T(0.5))))) * rounded(lowered(T(norm_ * factor)));
+    return exp<lift<T>>(-(growth(t) * double_double<T>(T(k_ + T(0.5))))) *
+           rounded(lowered(T(norm_ * factor)));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& x) {
@@ -83,16 +86,16 @@ class student_t {
     });
   }
   T slope_excess(const slope<T>& x) const {
-    const T k = where(k_ > T(parameters[0].lower - 1.0), k_);
+    const T k = nan_unless(k_ > T(parameters[0].lower - 1.0), k_);
     return times_power(x, k, [&](const T& y, const T& q) { return student::excess(k, y, q); });
   }
   fraction<T> lifted_excess(const slope<T>& x) const {
-    const T k = where(k_ > T(parameters[0].lower - 1.0), k_);
+    const T k = nan_unless(k_ > T(parameters[0].lower - 1.0), k_);
     const auto factor = [&](const T& y, const T& q) { return student::excess(k, y, q); };
     return {times_power<lift<T>>(x, k, factor), T(1)};
   }
 
-  // What smith/visible_slope.hpp asks for.
+  // What smith/visible/slope.hpp asks for.
   T sf_over_density(const T& t) const {
     const T y = t * t * inverse_k_.high;
     return student::tail(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_;
@@ -103,7 +106,7 @@ class student_t {
     const T y = t * t * inverse_k_.high;
     const auto series = [&] { return T(student::excess(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_); };
     const auto difference = [&] { return T(moment_over_density(t, sf) - t * sf); };
-    return choose(t * t < T(0.5), [&] { return difference(); }, [&] { return series(); });
+    return select_lazy(t * t < T(0.5), [&] { return difference(); }, [&] { return series(); });
   }
   T log_slope(const T& t, const T&) const { return (T(-2) * k_ - T(1)) * t / (k_ + t * t); }
   T fall(const T& t, const T& v) const {
@@ -137,7 +140,7 @@ class student_t {
   T across(const T& along, const T& depth) const {
     return sqrt(k_ + along * along) * sqrt(expm1(T(depth / (k_ + T(0.5)))));
   }
-  // For smith/sample_visible_mixture.hpp: M(P) = (1 - xi) M(t), and the slope across.
+  // For smith/visible/sample_visible_mixture.hpp: M(P) = (1 - xi) M(t), and the slope across.
   T moment_beyond(const T& t, const T& xi) const {
     return sqrt(t * t + (k_ + t * t) * expm1(T(-log1p(-xi) / (k_ - T(0.5)))));
   }
@@ -158,24 +161,27 @@ class student_t {
  private:
   // 2^Bias A(r2)^(-exponent), and that times a function of r2/k and log A.
   template <int Bias = 0>
-  T power(const twofold<T>& r2, const T& exponent) const {
-    return exp<Bias>(-(log1p_twofold(r2 * inverse_k_) * twofold<T>(exponent)));
+  T power(const double_double<T>& r2, const T& exponent) const {
+    return exp<Bias>(-(log1p_double_double(r2 * inverse_k_) * double_double<T>(exponent)));
   }
   template <int Bias = 0, class Factor>
   T times_power(const slope<T>& t, const T& exponent, const Factor& factor) const {
-    const twofold<T> q = growth(t), y = t.squared * inverse_k_;
+    const double_double<T> q = growth(t), y = t.squared * inverse_k_;
     // Both parts, as q has them: beside an underflowing product `low` may be more than a rounding.
     const T most = square(largest_slope<T>()), whole = select(y.high < most, T(y.high + y.low), most);
-    return exp<Bias>(-(q * twofold<T>(exponent))) * factor(whole, q.high);
+    return exp<Bias>(-(q * double_double<T>(exponent))) * factor(whole, q.high);
   }
   // log A(t^2), also where t^2 is infinite.
-  twofold<T> growth(const slope<T>& t) const {
+  double_double<T> growth(const slope<T>& t) const {
     const T size = abs(t.value.high);
     const auto steep = size > largest_slope<T>();
-    return choose(
+    return select_lazy(
         steep,
-        [&] { return T(2) * log_twofold(twofold<T>(select(steep, size, T(1)))) + log_twofold(inverse_k_); },
-        [&] { return log1p_twofold(t.squared * inverse_k_); });
+        [&] {
+          return T(2) * log_double_double(double_double<T>(select(steep, size, T(1)))) +
+                 log_double_double(inverse_k_);
+        },
+        [&] { return log1p_double_double(t.squared * inverse_k_); });
   }
 
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
@@ -183,7 +189,7 @@ class student_t {
   static constexpr double gaussian = single ? 1e15 : 1e30;
 
   T k_, norm_;
-  twofold<T> inverse_k_;
+  double_double<T> inverse_k_;
 };
 
 static_assert(radial_family<student_t<double>>);

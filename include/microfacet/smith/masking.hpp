@@ -5,8 +5,8 @@
 // 1967).
 #pragma once
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/special/gamma.hpp"
 
@@ -16,7 +16,7 @@ namespace microfacet {
 // numerator, so that each quantity divides once, and by what did not underflow: a family may state J so as
 // lifted_excess, or all of it as sigma_below, without a quotient |c|/s.
 template <class T, class Family>
-fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) {
+fraction<T> sigma_below(const Family& family, const T& c, const double_double<T>& s2) {
   if constexpr (requires { family.sigma_below(c, s2); }) {
     return family.sigma_below(c, s2);
   } else if constexpr (requires { family.sigma_below(c, s2.high); }) {
@@ -25,10 +25,10 @@ fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) 
     // Beyond the largest slope, and at s = 0, nothing is left.
     const T least_ratio = T(1) / square(largest_slope<T>());
     const auto inside = s2.high > multiply_add(T(c * c), least_ratio, smallest<T>());
-    const twofold<T> divisor(select(inside, s2.high, T(1)), s2.low);
+    const double_double<T> divisor(select(inside, s2.high, T(1)), s2.low);
     const T reciprocal = T(1) / divisor.high, s = sqrt(divisor.high);
     const slope<T> x =
-        slope<T>::of_square(T(abs(c) * s * reciprocal), quotient(exact_product(c, c), divisor, reciprocal));
+        slope<T>::of_square(T(abs(c) * s * reciprocal), quotient(two_prod(c, c), divisor, reciprocal));
     fraction<T> below{T(0), T(1)};
     if constexpr (requires { family.lifted_excess(x); }) {
       below = family.lifted_excess(x);
@@ -42,14 +42,14 @@ fraction<T> sigma_below(const Family& family, const T& c, const twofold<T>& s2) 
 }
 
 template <class T, class Family>
-T sigma(const Family& family, const T& c, const twofold<T>& s2) {
+T sigma(const Family& family, const T& c, const double_double<T>& s2) {
   const fraction<T> below = sigma_below(family, c, s2);
   return maximum(c, T(0)) + lowered(T(below.numerator / below.denominator));
 }
 
 // sigma(c)/c - 1 = sigma(-c)/c for c > 0; Lambda(-c) = -1 - Lambda(c); infinite at c = 0.
 template <class T, class Family>
-T Lambda(const Family& family, const T& c, const twofold<T>& s2) {
+T Lambda(const Family& family, const T& c, const double_double<T>& s2) {
   const fraction<T> below = sigma_below(family, c, s2);
   const T ratio = below.numerator / (lifted(T(abs(c))) * below.denominator);
   return select(c < T(0), T(T(-1) - ratio), ratio);
@@ -57,7 +57,7 @@ T Lambda(const Family& family, const T& c, const twofold<T>& s2) {
 
 // c/sigma(c) for c > 0, else 0.
 template <class T, class Family>
-T G1(const Family& family, const T& c, const twofold<T>& s2) {
+T G1(const Family& family, const T& c, const double_double<T>& s2) {
   const fraction<T> below = sigma_below(family, c, s2);
   const T visible = lifted(c) * below.denominator, value = visible / (visible + below.numerator);
   return select(c > T(0), value, T((c + below.numerator) * T(0)));
@@ -71,7 +71,7 @@ T G2_correlated(const T& lambda_i, const T& lambda_o, const Mask& transmitted) {
   const auto through = [&] {
     return beta_one_plus(T(minimum(lambda_i, T(1e30))), T(minimum(lambda_o, T(1e30))));
   };
-  return choose(transmitted, through, [&] { return reflected; });
+  return select_lazy(transmitted, through, [&] { return reflected; });
 }
 
 }  // namespace microfacet

@@ -21,7 +21,7 @@ class ndf {
 
   // Slopes. P22 is D of a normal with z^4 = area.
   T P22(const T& p, const T& q) const {
-    const twofold<T> h2 = shape_.unit_slope2(p, q);
+    const double_double<T> h2 = shape_.unit_slope2(p, q);
     const auto by_square = [&] { return T(rounded(family_.D(shape_.unit(), h2)) * shape_.unit_density()); };
     if constexpr (requires { family_.P22_of_slope(p); }) {
       const auto by_slope = [&] {
@@ -29,13 +29,13 @@ class ndf {
         return T(rounded(family_.P22_of_slope(shape_.length(p, q))) *
                  rounded(T(rounded(T(shape_.unit_density() / unit2)) / unit2)));
       };
-      return choose(h2.high < T(0x1p40) * smallest<T>(), by_slope, by_square);
+      return select_lazy(h2.high < T(0x1p40) * smallest<T>(), by_slope, by_square);
     } else {
       return by_square();
     }
   }
   T P2(const T& p) const {
-    const twofold<T> t = shape_.standard(p);
+    const double_double<T> t = shape_.standard(p);
     if constexpr (requires { family_.P2(t, p); }) {  // times a factor that lifts what underflows alone
       return family_.P2(t, shape_.inverse_along_x());
     } else {
@@ -78,7 +78,7 @@ class ndf {
   template <class Direction>
   T density(const Direction& m) const {
     const T value = rounded(family_.D(T(m.z * shape_.unit()), shape_.unit_slope2(m))) * shape_.unit_density();
-    const T nothing = T(0) * shape_.unit_density() + family_.nothing();
+    const T nothing = T(0) * shape_.unit_density() + family_.zero_or_nan();
     return select(m.z > T(0), value, multiply_add(m.z, nothing, nothing));
   }
 

@@ -22,7 +22,7 @@ T sample_radius(const Family& family, const T& xi) {
 template <class Family, class T>
 T sample_slope(const Family& family, const isotropic_shape<T>& shape, const T& xi) {
   const auto valid = (xi >= T(0)) & (xi < T(1));
-  return shape.along_x() * sample_radius(family, where(valid, xi));
+  return shape.along_x() * sample_radius(family, nan_unless(valid, xi));
 }
 
 // cos(theta) of the same normal.
@@ -36,13 +36,13 @@ T cosine_of_slope(const T& slope) {
 template <class Family, class T>
 T survival(const ndf<Family, T, isotropic_shape<T>>& distribution, const T& r) {
   const Family& family = distribution.family();
-  const T valid = where(r >= T(0), r);
-  const twofold<T> r2 = distribution.shape().slope2(valid);
+  const T valid = nan_unless(r >= T(0), r);
+  const double_double<T> r2 = distribution.shape().slope2(valid);
   if constexpr (requires { family.survival_of_slope(r); }) {  // where a square has lost digits
     const T most = square(largest_slope<T>());
-    return choose((minimum(r2.high, T(valid * valid)) < T(0x1p30) * smallest<T>()) | !(r2.high < most),
-                  [&] { return family.survival_of_slope(distribution.shape().length(valid, T(0))); },
-                  [&] { return family.survival(r2); });
+    return select_lazy((minimum(r2.high, T(valid * valid)) < T(0x1p30) * smallest<T>()) | !(r2.high < most),
+                       [&] { return family.survival_of_slope(distribution.shape().length(valid, T(0))); },
+                       [&] { return family.survival(r2); });
   } else {
     return family.survival(r2);
   }
@@ -51,7 +51,7 @@ T survival(const ndf<Family, T, isotropic_shape<T>>& distribution, const T& r) {
 template <class Family, class T, class Shape>
 vec3<T> sample_normal(const ndf<Family, T, Shape>& distribution, const T& xi_radius, const T& xi_azimuth) {
   const auto valid = (xi_radius >= T(0)) & (xi_radius < T(1)) & (xi_azimuth >= T(0)) & (xi_azimuth < T(1));
-  const T radius = sample_radius(distribution.family(), where(valid, xi_radius));
+  const T radius = sample_radius(distribution.family(), nan_unless(valid, xi_radius));
   const elementary::circle<T> azimuth = elementary::cos_sin_of_turns(xi_azimuth);
   // Minus the slopes, so that 2 pi xi is the azimuth of the normal; the density is symmetric.
   T x = radius * azimuth.cosine, y = radius * azimuth.sine;

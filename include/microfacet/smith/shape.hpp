@@ -8,8 +8,8 @@
 
 #include <limits>
 
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "microfacet/core/vec.hpp"
 
 namespace microfacet {
@@ -17,7 +17,7 @@ namespace microfacet {
 // alpha outside its interval becomes nan and so does every result in that lane. alpha may come with more
 // digits than a T has.
 template <class T>
-twofold<T> valid_alpha(const twofold<T>& alpha) {
+double_double<T> valid_alpha(const double_double<T>& alpha) {
   return {inside(roughness, alpha.high), alpha.low};
 }
 
@@ -37,32 +37,32 @@ inline constexpr T largest_cosine = T(1) + 8 * std::numeric_limits<T>::epsilon()
 template <class T>
 struct cosine {
   T z;
-  twofold<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
+  double_double<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
 
   explicit cosine(const T& u)
-      : z(choose(
+      : z(select_lazy(
             !(abs(u) <= T(1)), [&] { return bounded(u); }, [&] { return u; })),
-        sine2(one_minus(exact_product(z, z))) {}
+        sine2(one_minus(two_prod(z, z))) {}
 
  private:
   static T bounded(const T& u) {
     const auto valid = abs(u) <= T(largest_cosine<typename scalar_traits<T>::real>);
-    return where(valid, minimum(maximum(u, T(-1)), T(1)));
+    return nan_unless(valid, minimum(maximum(u, T(-1)), T(1)));
   }
-  static twofold<T> one_minus(const twofold<T>& a) {
-    const twofold<T> rest = exact_sum_of_ordered(T(1), T(-a.high));
-    return exact_sum_of_ordered(rest.high, T(rest.low - a.low));
+  static double_double<T> one_minus(const double_double<T>& a) {
+    const double_double<T> rest = fast_two_sum(T(1), T(-a.high));
+    return fast_two_sum(rest.high, T(rest.low - a.low));
   }
 };
 
 template <class T>
-twofold<T> squared_length(const T& x, const T& y) {
-  return exact_product(x, x) + exact_product(y, y);
+double_double<T> squared_length(const T& x, const T& y) {
+  return two_prod(x, x) + two_prod(y, y);
 }
 
 template <class T>
-twofold<T> reciprocal(const twofold<T>& a) {
-  return quotient(twofold<T>(T(1)), a);
+double_double<T> reciprocal(const double_double<T>& a) {
+  return quotient(double_double<T>(T(1)), a);
 }
 
 // What both shapes offer, of slopes (p, q) and directions:
@@ -80,7 +80,7 @@ twofold<T> reciprocal(const twofold<T>& a) {
 template <class T>
 class isotropic_shape {
  public:
-  explicit isotropic_shape(const twofold<T>& alpha)
+  explicit isotropic_shape(const double_double<T>& alpha)
       : alpha_(valid_alpha(alpha)),
         alpha2_(square(alpha_)),
         inverse_(reciprocal(alpha_)),
@@ -89,32 +89,33 @@ class isotropic_shape {
 
   T unit() const { return unit_; }
   T unit_density() const { return rounded(T(square(unit_) * unit2_.high)); }
-  twofold<T> unit_slope2(const T& p, const T& q) const { return squared_length(p, q) * unit2_; }
-  twofold<T> unit_slope2(const vec3<T>& m) const { return squared_length(m.x, m.y) * unit2_; }
-  twofold<T> unit_slope2(const cosine<T>& m) const { return m.sine2 * unit2_; }
-  twofold<T> slope2(const T& r) const { return square(standard(r)); }
+  double_double<T> unit_slope2(const T& p, const T& q) const { return squared_length(p, q) * unit2_; }
+  double_double<T> unit_slope2(const vec3<T>& m) const { return squared_length(m.x, m.y) * unit2_; }
+  double_double<T> unit_slope2(const cosine<T>& m) const { return m.sine2 * unit2_; }
+  double_double<T> slope2(const T& r) const { return square(standard(r)); }
   T length(const T& p, const T& q) const {
     return microfacet::length(T(p / alpha_.high), T(q / alpha_.high));
   }
-  twofold<T> stretch2(const vec3<T>& w) const { return squared_length(w.x, w.y) * alpha2_; }
-  twofold<T> stretch2(const cosine<T>& w) const { return w.sine2 * alpha2_; }
+  double_double<T> stretch2(const vec3<T>& w) const { return squared_length(w.x, w.y) * alpha2_; }
+  double_double<T> stretch2(const cosine<T>& w) const { return w.sine2 * alpha2_; }
   T along_x() const { return alpha_.high; }
   T least() const { return alpha_.high; }
   T inverse_along_x() const { return inverse_.high; }
-  twofold<T> standard(const T& p) const { return twofold<T>(p) * inverse_; }
+  double_double<T> standard(const T& p) const { return double_double<T>(p) * inverse_; }
   void to_standard(T& x, T& y) const { x = x * alpha_.high, y = y * alpha_.high; }
   void to_surface(T& p, T& q) const { p = p * alpha_.high, q = q * alpha_.high; }
 
  private:
-  twofold<T> alpha_, alpha2_, inverse_;
+  double_double<T> alpha_, alpha2_, inverse_;
   T unit_;
-  twofold<T> unit2_;  // times the inverse square
+  double_double<T> unit2_;  // times the inverse square
 };
 
 template <class T>
 class anisotropic_shape {
  public:
-  anisotropic_shape(const twofold<T>& alpha_x, const twofold<T>& alpha_y, const T& cosine, const T& sine)
+  anisotropic_shape(const double_double<T>& alpha_x, const double_double<T>& alpha_y, const T& cosine,
+                    const T& sine)
       : alpha_x_(valid_alpha(alpha_x)),
         alpha_y_(valid_alpha(alpha_y)),
         c_(cosine),
@@ -124,24 +125,24 @@ class anisotropic_shape {
         unit_(elementary::power_of_two(T(sqrt(sqrt(alpha_x_.high * alpha_y_.high))))),
         unit_x2_(square(unit_) * reciprocal(x2_)),
         unit_y2_(square(unit_) * reciprocal(y2_)),
-        along_x_(sqrt(x2_ * exact_product(c_, c_) + y2_ * exact_product(s_, s_))),
+        along_x_(sqrt(x2_ * two_prod(c_, c_) + y2_ * two_prod(s_, s_))),
         inverse_(reciprocal(along_x_)) {}
 
   T unit() const { return unit_; }
   T unit_density() const {
     return rounded(T(square(unit_) / alpha_x_.high)) * rounded(T(square(unit_) / alpha_y_.high));
   }
-  twofold<T> unit_slope2(const T& p, const T& q) const { return weighed(p, q, unit_x2_, unit_y2_); }
-  twofold<T> unit_slope2(const vec3<T>& m) const { return unit_slope2(m.x, m.y); }
+  double_double<T> unit_slope2(const T& p, const T& q) const { return weighed(p, q, unit_x2_, unit_y2_); }
+  double_double<T> unit_slope2(const vec3<T>& m) const { return unit_slope2(m.x, m.y); }
   T length(const T& p, const T& q) const {
     return microfacet::length(T((c_ * p + s_ * q) / alpha_x_.high), T((c_ * q - s_ * p) / alpha_y_.high));
   }
-  twofold<T> stretch2(const vec3<T>& w) const { return weighed(w.x, w.y, x2_, y2_); }
+  double_double<T> stretch2(const vec3<T>& w) const { return weighed(w.x, w.y, x2_, y2_); }
   // The slope along x of the surface is a standard slope times this, in any isotropic density.
   T along_x() const { return along_x_.high; }
   T least() const { return minimum(alpha_x_.high, alpha_y_.high); }
   T inverse_along_x() const { return inverse_.high; }
-  twofold<T> standard(const T& p) const { return twofold<T>(p) * inverse_; }
+  double_double<T> standard(const T& p) const { return double_double<T>(p) * inverse_; }
   void to_standard(T& x, T& y) const {
     const T a = c_ * x + s_ * y, b = c_ * y - s_ * x;
     x = a * alpha_x_.high, y = b * alpha_y_.high;
@@ -153,20 +154,21 @@ class anisotropic_shape {
 
  private:
   // The sum of the squared components along the axes, each with its weight.
-  twofold<T> weighed(const T& x, const T& y, const twofold<T>& along, const twofold<T>& across) const {
-    const twofold<T> a = square(component(c_, x, s_, y)) * along;
-    const twofold<T> b = square(component(c_, y, T(-s_), x)) * across;
+  double_double<T> weighed(const T& x, const T& y, const double_double<T>& along,
+                           const double_double<T>& across) const {
+    const double_double<T> a = square(component(c_, x, s_, y)) * along;
+    const double_double<T> b = square(component(c_, y, T(-s_), x)) * across;
     return a + b;
   }
-  static twofold<T> component(const T& a, const T& x, const T& b, const T& y) {
-    return exact_product(a, x) + exact_product(b, y);
+  static double_double<T> component(const T& a, const T& x, const T& b, const T& y) {
+    return two_prod(a, x) + two_prod(b, y);
   }
 
-  twofold<T> alpha_x_, alpha_y_;
+  double_double<T> alpha_x_, alpha_y_;
   T c_, s_;
-  twofold<T> x2_, y2_;
+  double_double<T> x2_, y2_;
   T unit_;
-  twofold<T> unit_x2_, unit_y2_, along_x_, inverse_;
+  double_double<T> unit_x2_, unit_y2_, along_x_, inverse_;
 };
 
 }  // namespace microfacet

@@ -10,11 +10,11 @@
 #include <array>
 #include <cstddef>
 
-#include "microfacet/core/chebyshev.hpp"
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
+#include "microfacet/core/polynomial.hpp"
 #include "microfacet/special/bessel_start.hpp"
-#include "microfacet/special/coefficients.hpp"
+#include "microfacet/special/coefficients/special.hpp"
 #include "microfacet/special/gamma.hpp"
 
 namespace microfacet::bessel {
@@ -75,7 +75,7 @@ struct ladder {
         gamma(mu),
         lead(pow(y, mu) / sqrt(y)) {
     const auto distant = is_far(y);
-    const start<T> first = choose(
+    const start<T> first = select_lazy(
         distant, [&] { return start_outside(mu, T(select(distant, y, T(1)))); },
         [&] {
           const T inside = select(distant, T(0.25), y);
@@ -100,13 +100,12 @@ struct ladder {
       const T upper = multiply_add(multiply_add(mu, T(next), T(1 - next)), d, lower);
       b = select(climbing, lower, b), c = select(climbing, d, c), d = select(climbing, upper, d);
     };
-    for (std::size_t j = 0; j + 2 < reciprocals.size() && some_lane(T(static_cast<double>(j)) < steps);
-         j += 2)
+    for (std::size_t j = 0; j + 2 < reciprocals.size() && any_lane(T(static_cast<double>(j)) < steps); j += 2)
       step(j), step(j + 1);
     below = b, at = c, above = d;
   }
   // exp(-y), changed so that its square corrects h for y.low: h' = -2y h_{nu-1}.
-  T decay(const twofold<T>& exact) const {
+  T decay(const double_double<T>& exact) const {
     const T e = exp(-exact.high), slope = (steps + T(1)) * (below / at / y);
     const T low = select(abs(exact.low) < exact.high, exact.low, T(0));  // nothing corrects 0 and infinity
     return e - e * (low * slope);
@@ -114,7 +113,7 @@ struct ladder {
 };
 
 template <class T>
-neighbours<T> climb(const T& nu, const twofold<T>& y) {
+neighbours<T> climb(const T& nu, const double_double<T>& y) {
   ladder<T> l(nu, y.high);
   T factorial(1);  // Gamma(nu + 1)/Gamma(mu + 1)/steps!
   l.climb([&](const auto& climbing, double, double inverse, const T&, const T&) {
@@ -144,9 +143,9 @@ neighbours<T> debye(const T& nu, const T& y) {
 
 // h_nu and its neighbours for nu >= -1/2.
 template <class T>
-neighbours<T> orders(const T& nu, const twofold<T>& y) {
+neighbours<T> orders(const T& nu, const double_double<T>& y) {
   const auto large = nu >= T(large_order<T>);
-  return choose(
+  return select_lazy(
       large,
       [&] {
         const T inside = minimum(maximum(y.high, least_argument<T>()), largest_slope<T>());

@@ -27,7 +27,7 @@ T complement(const T& a, const T& y, const neighbours<T>& k) {
   T below = k.below, at = k.at, above = k.above, sum(0);
   for (int j = 0; j <= large; ++j) {
     const auto climbing = T(j) < steps;
-    if (!some_lane(climbing)) break;
+    if (!any_lane(climbing)) break;
     const T order = a + T(j + 1), lower = y * (y * at) / order;
     const T upper = (order * above + lower) / (order + T(1));
     sum = select(climbing, T(sum + below), sum), below = select(climbing, lower, below);

@@ -1,10 +1,10 @@
 // K_mu(2y) and its neighbours for |mu| <= 1/2, by polynomials of two variables (tools/derive_bessel.py).
 #pragma once
 
-#include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/special/bessel_coefficients.hpp"
+#include "microfacet/core/polynomial.hpp"
 #include "microfacet/special/bivariate.hpp"
+#include "microfacet/special/coefficients/bessel.hpp"
 #include "microfacet/special/gamma.hpp"
 
 namespace microfacet::bessel {

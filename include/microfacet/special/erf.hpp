@@ -5,11 +5,11 @@
 
 #include <utility>
 
-#include "microfacet/core/chebyshev.hpp"
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
-#include "microfacet/special/coefficients.hpp"
-#include "microfacet/special/erfc_inverse_coefficients.hpp"
+#include "microfacet/core/polynomial.hpp"
+#include "microfacet/special/coefficients/erfc_inverse.hpp"
+#include "microfacet/special/coefficients/special.hpp"
 
 namespace microfacet {
 
@@ -52,7 +52,7 @@ MICROFACET_INLINE T erfc_inverse_of_half(const T& v) {
   const auto tail = less < T(0.25);
   const T product = select(tail, T(T(4) * less * (T(1) - less)), one);
   const T low = select(tail, T(0), T((T(1) - one) - middle * middle));
-  const T l = maximum(T(-log_twofold(twofold<T>(product, low)).high), T(0));
+  const T l = maximum(T(-log_double_double(double_double<T>(product, low)).high), T(0));
   T t = sqrt(l * polynomial(by_precision<T>(erfc_inverse_numerator_32, erfc_inverse_numerator_64), l) /
              polynomial(by_precision<T>(erfc_inverse_denominator_32, erfc_inverse_denominator_64), l));
   if constexpr (sizeof(typename scalar_traits<T>::real) == 8) {

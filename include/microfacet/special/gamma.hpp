@@ -3,10 +3,10 @@
 
 #include <array>
 
-#include "microfacet/core/chebyshev.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/special/coefficients.hpp"
-#include "microfacet/special/student_coefficients.hpp"
+#include "microfacet/core/polynomial.hpp"
+#include "microfacet/special/coefficients/special.hpp"
+#include "microfacet/special/coefficients/student.hpp"
 
 namespace microfacet {
 

@@ -15,9 +15,9 @@
 
 #include "microfacet/core/math.hpp"
 #include "microfacet/special/bivariate.hpp"
+#include "microfacet/special/coefficients/student.hpp"
 #include "microfacet/special/erf.hpp"
 #include "microfacet/special/gamma.hpp"
-#include "microfacet/special/student_coefficients.hpp"
 
 namespace microfacet::student {
 

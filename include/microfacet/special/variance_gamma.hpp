@@ -9,16 +9,16 @@
 
 #include "microfacet/core/math.hpp"
 #include "microfacet/special/bessel.hpp"
+#include "microfacet/special/coefficients/variance_gamma_excess.hpp"
+#include "microfacet/special/coefficients/variance_gamma_tail.hpp"
 #include "microfacet/special/erf.hpp"
 #include "microfacet/special/gamma.hpp"
-#include "microfacet/special/variance_gamma_excess_coefficients.hpp"
-#include "microfacet/special/variance_gamma_tail_coefficients.hpp"
 
 namespace microfacet::variance_gamma {
 
 // P2(t) for t > 0.
 template <class T>
-T density(const T& a, const twofold<T>& t) {
+T density(const T& a, const double_double<T>& t) {
   const bessel::neighbours<T> k = bessel::orders(T(a - T(0.5)), t);
   return T(1 / sqrt_pi) * gamma_half_step(a) * sqrt(a) * k.at * k.decay * k.decay;
 }
@@ -83,7 +83,7 @@ struct sf {
                  const T& decay) {
     const auto of_small_order = a <= T(0.125);
     const T half = T(0.5) / square(decay);
-    return choose(
+    return select_lazy(
         of_small_order,
         [&] { return T(2) * half * tail_of_small_order(T(select(of_small_order, a, T(0.125))), t); },
         [&] {
@@ -111,12 +111,12 @@ struct excess {
 };
 
 template <template <class> class Tail, class T>
-T climbing(const T& a, const twofold<T>& t) {
+T climbing(const T& a, const double_double<T>& t) {
   bessel::ladder<T> k(T(a - T(0.5)), t.high);
   const T first = maximum(T(a - k.steps), smallest<T>());
   const inverse_gammas<T> gamma(first);
   const auto distant = bessel::is_far(k.y);
-  T sum = choose(
+  T sum = select_lazy(
       distant,
       [&] {
         return T(k.lead * Tail<T>::outer(bessel::far_variable(T(select(distant, k.y, T(1)))), k.mu, gamma));
@@ -153,13 +153,13 @@ T averaged(const T& a, const T& t) {
       sum = sum + weight * sigma * ierfc_scaled(x);
     }
   }
-  return T(0.5 * sqrt_pi) * density(a, twofold<T>(t)) * sum / density_sum;
+  return T(0.5 * sqrt_pi) * density(a, double_double<T>(t)) * sum / density_sum;
 }
 
 template <template <class> class Tail, class T>
-T tail(const T& a, const twofold<T>& t) {
+T tail(const T& a, const double_double<T>& t) {
   const auto large = a >= T(bessel::large_order<T>);
-  return choose(
+  return select_lazy(
       large, [&] { return averaged<Tail>(T(select(large, a, T(bessel::large_order<T>))), t.high); },
       [&] { return climbing<Tail>(T(select(large, T(1), a)), t); });
 }
@@ -168,11 +168,11 @@ T tail(const T& a, const twofold<T>& t) {
 
 // int_t^inf P2 and int_t^inf (y - t) P2(y) dy for t >= 0.
 template <class T>
-T sf(const T& a, const twofold<T>& t) {
+T sf(const T& a, const double_double<T>& t) {
   return minimum(detail::tail<detail::sf>(a, t), T(0.5));
 }
 template <class T>
-T excess(const T& a, const twofold<T>& t) {
+T excess(const T& a, const double_double<T>& t) {
   return detail::tail<detail::excess>(a, t);
 }
 

@@ -14,18 +14,18 @@
 #include "../families.hpp"
 #include "microfacet/bsdf/conductor.hpp"
 #include "microfacet/bsdf/dielectric.hpp"
-#include "microfacet/bsdf/on_arrays.hpp"
-#include "microfacet/bsdf/random_walk.hpp"
 #include "microfacet/bsdf/single_scattering.hpp"
+#include "microfacet/bsdf/walk/on_arrays.hpp"
+#include "microfacet/bsdf/walk/random_walk.hpp"
 #include "microfacet/core/lanes.hpp"
-#include "microfacet/family/prepared.hpp"
-#include "microfacet/family/sampled.hpp"
-#include "microfacet/family/sampled_tables.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/sample_normal.hpp"
-#include "microfacet/smith/sample_visible.hpp"
-#include "microfacet/smith/sample_visible_bounded.hpp"
-#include "microfacet/smith/sample_visible_mixture.hpp"
+#include "microfacet/smith/visible/sample_visible.hpp"
+#include "microfacet/smith/visible/sample_visible_bounded.hpp"
+#include "microfacet/smith/visible/sample_visible_mixture.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
+#include "microfacet/tabulated/user_density.hpp"
+#include "microfacet/tabulated/user_density_tables.hpp"
 
 namespace {
 
@@ -170,7 +170,7 @@ template <class R>
 void closed() {
   families::each([]<class Tag>(const families::arguments& a) {
     using family = typename Tag::template type<R>;
-    if constexpr (!single<R> || family::native_float32) {
+    if constexpr (!single<R> || family::float32_arithmetic) {
       for (const double alpha : {1e-4, 0.1, 0.5, 3.0, 1e-12, 1e12}) {
         if (!family::shape_invariant && alpha != 0.5) continue;
         if (single<R> && (alpha < 1e-6 || alpha > 1e6)) continue;  // float headers hold no more
@@ -189,21 +189,21 @@ void closed() {
 }
 
 template <class R, class Exact>
-void prepared(const char* name, const Exact& exact, double alpha) {
+void tabulated(const char* name, const Exact& exact, double alpha) {
   using real = mf::lane_of<R>;
   const auto tables = std::make_unique<mf::radial_tables<real>>();
   tables->build(exact, mf::of_all | mf::of_visible);
-  where = kind<R>() + std::string("prepared ") + name;
+  where = kind<R>() + std::string("tabulated ") + name;
   if (!single<R>) say("good", 0, tables->good(mf::of_all));
   const mf::isotropic_shape<R> shape{R(alpha)};
-  const mf::ndf<mf::prepared<R>, R, mf::isotropic_shape<R>> ndf(mf::prepared<R>(*tables), shape);
+  const mf::ndf<mf::tabulated<R>, R, mf::isotropic_shape<R>> ndf(mf::tabulated<R>(*tables), shape);
   everything<R>(ndf);
 }
 template <class R>
-void prepared() {
-  prepared<R>("student_t", mf::student_t<double>(2.5), 0.5);
-  prepared<R>("gtr", mf::gtr<double>(0.3, 1.7), 1);
-  prepared<R>("bessel_k", mf::bessel_k<double>(1.3), 0.5);
+void tabulated() {
+  tabulated<R>("student_t", mf::student_t<double>(2.5), 0.5);
+  tabulated<R>("gtr", mf::gtr<double>(0.3, 1.7), 1);
+  tabulated<R>("bessel_k", mf::bessel_k<double>(1.3), 0.5);
 }
 
 template <class R>
@@ -240,8 +240,8 @@ void walks() {
     task.wi.x[i] = T(0.8), task.wi.z[i] = T(0.6), task.parameters[0][i] = T(1.5);
     task.element[i] = static_cast<std::uint64_t>(i);
   }
-  mf::walk_vectors<T> wo{};
-  mf::walk_array<T> weight{}, order{};
+  mf::block3<T> wo{};
+  mf::block<T> weight{}, order{};
   walk->sample(task, wo, weight, order);
   double all = 0, up = 0;
   for (std::size_t i = 0; i < mf::walk_block; ++i)
@@ -256,28 +256,28 @@ void own() {
     for (std::size_t i = 0; i < n; ++i) f[i] = std::exp(-2 * std::abs(std::expm1(L[i])));
   };
   const auto none = [](const double*, double*, std::size_t) {};
-  const auto family = std::make_unique<mf::sampled>(laplace, -30.0, 6.0, std::exp(-2.0), false, none);
-  where = "double sampled";
+  const auto family = std::make_unique<mf::user_density>(laplace, -30.0, 6.0, std::exp(-2.0), false, none);
+  where = "double user_density";
   say("norm", 0, family->norm());
-  const auto tables = std::make_unique<mf::sampled_tables<double>>();
+  const auto tables = std::make_unique<mf::user_density_tables<double>>();
   tables->build(*family);
-  const mf::ndf<mf::sampled_view<double>, double, mf::isotropic_shape<double>> ndf(
-      mf::sampled_view<double>(*tables), mf::isotropic_shape<double>(0.4));
+  const mf::ndf<mf::tabulated_user_density<double>, double, mf::isotropic_shape<double>> ndf(
+      mf::tabulated_user_density<double>(*tables), mf::isotropic_shape<double>(0.4));
   elementwise<double>(ndf);
 }
 
 }  // namespace
 
 int main() {
-  closed<double>(), prepared<float>();
+  closed<double>(), tabulated<float>();
   own(), loops<double>(), loops<float>();
 #if !defined(FEW_VALUES)
-  closed<float>(), prepared<double>();
+  closed<float>(), tabulated<double>();
   materials<double>(), materials<float>();
   walks<double>(), walks<float>();
 #if MICROFACET_VECTOR_EXTENSIONS
   closed<mf::pack<float, 16>>();
-  prepared<mf::pack<float, 16>>();
+  tabulated<mf::pack<float, 16>>();
   materials<mf::pack<float, 16>>(), walks<mf::pack<float, 16>>();
 #endif
 #endif

@@ -8,7 +8,7 @@
 namespace xsimd {
 
 template <class T, class A>
-bool some_lane(const batch_bool<T, A>& mask) {
+bool any_lane(const batch_bool<T, A>& mask) {
   return any(mask);
 }
 template <class T, class A>
@@ -16,7 +16,7 @@ batch<T, A> multiply_add(const batch<T, A>& a, const batch<T, A>& b, const batch
   return fma(a, b, c);
 }
 template <class T, class A>
-batch<T, A> product_error(const batch<T, A>& a, const batch<T, A>& b, const batch<T, A>& p) {
+batch<T, A> two_prod_error(const batch<T, A>& a, const batch<T, A>& b, const batch<T, A>& p) {
   return fms(a, b, p);
 }
 

@@ -63,7 +63,7 @@ void rough_dielectric::traverse(mi::TraversalCallback* callback) {
 }
 
 rough_dielectric::meeting::meeting(const rough_dielectric& of, const vec3<Float>& wi_, const vec3<Float>& wo_)
-    : material(dielectric<Float>(of.eta_).turned_over(wi_.z < Float(0))),
+    : material(dielectric<Float>(of.eta_).flipped(wi_.z < Float(0))),
       turned(select(wi_.z < Float(0), Float(-1), Float(1))) {
   wi = scaled(wi_, turned), wo = scaled(wo_, turned);
 }
@@ -92,12 +92,12 @@ Float rough_dielectric::leaving(const mi::BSDFContext& context, const meeting& a
 
 facet_event dielectric_facets::scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask& below,
                                        const Float& xi) const {
-  const scattered<Float> s = material_.turned_over(below).scatter(back, m, xi, xi);
+  const scattered<Float> s = material_.flipped(below).scatter(back, m, xi, xi);
   return {s.w, s.passed, tint(s.passed) * s.weight};
 }
 Unpolarized dielectric_facets::phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
                                      const Float& area) const {
-  const dielectric<Float> material = material_.turned_over(below);
+  const dielectric<Float> material = material_.flipped(below);
   const vec3<Float> m = material.facet(back, side);
   const Float sent =
       material.phase(back, side, m, {normals_.D(roughness_, m, resolution_of(back, m)), area, Float(0)});

@@ -11,10 +11,10 @@
 #include "traced_tables.hpp"
 
 #include "microfacet/family/all.hpp"
-#include "microfacet/family/prepared.hpp"
 #include "microfacet/smith/ndf.hpp"
-#include "microfacet/smith/sample_visible_mixture.hpp"
 #include "microfacet/smith/shape.hpp"
+#include "microfacet/smith/visible/sample_visible_mixture.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
 
 namespace microfacet::plugin {
 
@@ -42,7 +42,7 @@ class family_distribution final : public distribution {
     if constexpr (has_shape) {
       const std::string name(Family::parameters[0].name);
       if (!properties.has_property(name))
-        fail("%s: \"%s\" is missing, which %s needs", plugin_, name, Family::name);
+        fail("%s: \"%s\" is missing, which %s functions", plugin_, name, Family::name);
       shape_ = Float(properties.get<float>(name));
       drjit::make_opaque(shape_);
     }
@@ -106,7 +106,7 @@ class family_distribution final : public distribution {
       const tables t(storage_, varies_ ? tables::between(alpha_between<Float>(alpha)) : tables::between());
       // The closed density of a roughness that does not vary costs more than its table.
       if constexpr (!Family::shape_invariant) {
-        if (!varies_) return under_shape(prepared<Float, tables>(t));
+        if (!varies_) return under_shape(tabulated<Float, tables>(t));
       }
       return under_shape(traced<Family>::make(&t, alpha, shape_));
     } else {
@@ -129,7 +129,7 @@ class family_distribution final : public distribution {
         append(flat);
       }
       if (!flat.samples)
-        fail("%s: \"alpha\" is %g, above 1 %s needs gamma up to 2 for its visible normals", plugin_,
+        fail("%s: \"alpha\" is %g, above 1 %s functions gamma up to 2 for its visible normals", plugin_,
              number(alpha_), Family::name);
       using Int32 = drjit::int32_array_t<Float>;
       storage_.floats = drjit::load<buffer<Float>>(flat.floats.data(), flat.floats.size());
@@ -170,7 +170,7 @@ class family_distribution final : public distribution {
       constexpr parameter p = Family::parameters[0];
       const float value = number(shape_);
       if (!(value > p.lower && value < p.upper))
-        fail("%s: \"%s\" is %g, %s needs one in (%g, %g)", plugin_, p.name, value, Family::name, p.lower,
+        fail("%s: \"%s\" is %g, %s functions one in (%g, %g)", plugin_, p.name, value, Family::name, p.lower,
              p.upper);
     }
   }

@@ -20,7 +20,7 @@ concept mask_array = is_array_v<M> && is_mask_v<M>;
 
 // Nothing is known of a traced mask while a kernel is being traced: branches and loops are taken whole.
 template <mask_array M>
-bool some_lane(const M& mask) {
+bool any_lane(const M& mask) {
   if constexpr (is_jit_v<M>) {
     return true;
   } else {
@@ -32,7 +32,7 @@ V multiply_add(const V& a, const V& b, const V& c) {
   return fmadd(a, b, c);
 }
 template <real_array V>
-V product_error(const V& a, const V& b, const V& p) {
+V two_prod_error(const V& a, const V& b, const V& p) {
   return fmsub(a, b, p);
 }
 template <real_array V>

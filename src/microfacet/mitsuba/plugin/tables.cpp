@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "microfacet/family/all.hpp"
-#include "microfacet/family/radial_tables.hpp"
+#include "microfacet/tabulated/radial_tables.hpp"
 
 namespace microfacet::plugin {
 

@@ -1,4 +1,4 @@
-// Prepared polynomials (family/radial_tables.hpp) as flat arrays, which a traced program can gather from.
+// Prepared polynomials (tabulated/radial_tables.hpp) as flat arrays, which a traced program can gather from.
 // Built in a source of its own, which knows nothing of Mitsuba.
 #pragma once
 

@@ -5,7 +5,7 @@
 #include "variant.hpp"
 
 #include "microfacet/family/all.hpp"
-#include "microfacet/family/prepared.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
 
 namespace microfacet::plugin {
 
@@ -37,22 +37,22 @@ class with_table_of_excess : public with_table<Closed> {
       : with_table<Closed>(t, arguments...), prepared_(t) {}
 
   Float slope_excess(const slope<Float>& x) const { return prepared_.slope_excess(x); }
-  fraction<Float> sigma_below(const Float& c, const twofold<Float>& s2) const {
+  fraction<Float> sigma_below(const Float& c, const double_double<Float>& s2) const {
     return prepared_.sigma_below(c, s2);
   }
 
  private:
-  prepared<Float, tables> prepared_;
+  tabulated<Float, tables> prepared_;
 };
 
 // A closed density, and tables for all else.
 template <class Closed>
-class with_tables : public prepared<Float, tables> {
+class with_tables : public tabulated<Float, tables> {
  public:
   template <class... Arguments>
   explicit with_tables(const tables& t, const Arguments&... arguments)
-      : prepared<Float, tables>(t), closed_(arguments...) {}
-  Float D(const Float& z, const twofold<Float>& h2) const { return closed_.D(z, h2); }
+      : tabulated<Float, tables>(t), closed_(arguments...) {}
+  Float D(const Float& z, const double_double<Float>& h2) const { return closed_.D(z, h2); }
 
  private:
   Closed closed_;
@@ -86,7 +86,7 @@ struct traced<gtr<Float>> {
 template <>
 struct traced<bessel_k<Float>> {
   static constexpr bool has_tables = true;
-  static auto make(const tables* t, const Float&, const Float&) { return prepared<Float, tables>(*t); }
+  static auto make(const tables* t, const Float&, const Float&) { return tabulated<Float, tables>(*t); }
 };
 
 }  // namespace microfacet::plugin

@@ -11,9 +11,9 @@
 
 #include "alpha_grid.hpp"
 #include "drjit_scalar.hpp"
-#include "microfacet/core/log_ratio.hpp"
+#include "microfacet/approx/log_ratio.hpp"
+#include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/twofold.hpp"
 #include "tables.hpp"
 
 namespace microfacet::plugin {
@@ -55,7 +55,7 @@ class traced_table {
   traced_table(const table_storage<R>& storage, table_function function, const between& alpha)
       : storage_(&storage), function_(function), alpha_(&alpha) {}
 
-  R operator()(const twofold<R>& x) const { return (*this)(x.high); }
+  R operator()(const double_double<R>& x) const { return (*this)(x.high); }
   R operator()(const R& x) const { return *alpha_ ? between_nodes(x) : here(x); }
   R of_root(const R& x) const { return (*this)(R(x * x)); }
   R constant() const {
@@ -135,7 +135,7 @@ class traced_table {
     return result;
   }
 
-  // core/piecewise.hpp: the piece follows from the leading bits.
+  // approx/piecewise.hpp: the piece follows from the leading bits.
   UInt32 piece_of(const R& x, const header& h, const UInt32& block) const {
     const Int32 fine = dr::reinterpret_array<Int32>(x) - h.base;
     const Int32 cell = (dr::maximum(fine, fine >> 6) >> h.shift) & Int32(layout::cells - 1);
@@ -147,7 +147,7 @@ class traced_table {
   const between* alpha_;
 };
 
-// For family/prepared.hpp: the tables at one roughness, or at a varying one where they are on a grid.
+// For tabulated/tabulated.hpp: the tables at one roughness, or at a varying one where they are on a grid.
 template <class R>
 struct traced_tables {
   static constexpr bool single = true, always_composes = true;

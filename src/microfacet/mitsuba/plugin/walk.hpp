@@ -1,4 +1,4 @@
-// Scattering of all orders: the random walk of bsdf/random_walk.hpp as one traced loop. Random numbers are
+// Scattering of all orders: the random walk of bsdf/walk/random_walk.hpp as one traced loop. Random numbers are
 // functions of two words and of the number of facets met.
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <array>
 #include <tuple>
 
-#include "microfacet/bsdf/random_walk.hpp"
+#include "microfacet/bsdf/walk/random_walk.hpp"
 #include "rough_bsdf.hpp"
 
 namespace microfacet::plugin {
@@ -126,7 +126,7 @@ class facet_walk {
     s.w = dr::select(s.alive, local(scaled(e.w, select(e.passed, Float(-1), Float(1)))), s.w);
     s.depth = select(passed, depth_from_below(s.depth), s.depth);
     s.below = s.below ^ passed;
-    // Russian roulette as in bsdf/random_walk.hpp; but after very many facets light is lost.
+    // Russian roulette as in bsdf/walk/random_walk.hpp; but after very many facets light is lost.
     const Unpolarized throughput = s.throughput * e.factor;
     const Float faint = minimum(maximum(Float(dr::max(throughput) * 4.F), Float(0.05F)), Float(1));
     const Float chance = select(s.met >= UInt32(first_roulette), faint, Float(1));

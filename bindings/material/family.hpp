@@ -1,0 +1,93 @@
+// A family's kernels as an array_distribution.
+#pragma once
+
+#include <cstddef>
+
+#include "bindings/density/models.hpp"
+#include "bindings/density/operations.hpp"
+#include "bindings/material/distribution.hpp"
+
+namespace microfacet::bindings {
+
+// The kernels of one model that materials use. They are those of the quantities of directions.
+template <class Model>
+struct kernels_for_materials {
+  using family = typename Model::family;
+  template <class Operation>
+  static const operation_kernels* of() {
+    return &kernels_of_operation<Model, Operation, true>;
+  }
+  static const operation_kernels* of(quantity q) {
+    switch (q) {
+      case quantity::D:
+        return of<D_of_normal>();
+      case quantity::area:
+        return of<sigma_of_direction>();
+      case quantity::visible:
+        return of<visible_sample>();
+      case quantity::visible_of_mixture:
+        if constexpr (requires { family::mixture_dimensions; }) return of<visible_sample_of_mixture>();
+        break;
+      case quantity::visible_bounded:
+        if constexpr (requires { &family::bounded_facet; }) return of<bounded_sample>();
+        break;
+      case quantity::pdf_bounded:
+        if constexpr (requires { &family::bounded_facet; }) return of<bounded_pdf>();
+        break;
+      case quantity::count:
+        break;
+    }
+    return nullptr;
+  }
+
+  template <class Real>
+  static bool with(const double* parameters, void (*then)(const array_distribution<Real>&, void*),
+                   void* data) {
+    if (std::is_same_v<Real, float> && !fits_float32<Model>(parameters, true)) return false;
+    parameter_values<Model> numbers;
+    std::copy_n(parameters, numbers.size(), numbers.begin());
+    const auto make = [&](const void* own, const void* one_register, const void* two_registers) {
+      array_distribution<Real> d;
+      for (std::size_t k = 0; k < d.functions.size(); ++k) {
+        const operation_kernels* op = of(static_cast<quantity>(k));
+        if (op == nullptr) continue;
+        const kernel_set<Real>& kernels = op->of<Real>();
+        const void* const table = kernels.table_of_one_register ? one_register : two_registers;
+        if (kernels.table != nullptr && table != nullptr) {
+          d.functions[k] = {kernels.table, table};
+        } else if (kernels.constant != nullptr && own != nullptr) {
+          d.functions[k] = {kernels.constant, own};
+        }
+      }
+      if (!d.has(quantity::D) || !d.has(quantity::area) || !d.has(quantity::visible)) return false;
+      then(d, data);
+      return true;
+    };
+    const auto with_own = [&](const void* one_register, const void* two_registers) {
+      if constexpr (family::float32_arithmetic || std::is_same_v<Real, double>) {
+        const auto own = constant_distribution<Model, lanes<Real>>(numbers);
+        return make(&own, one_register, two_registers);
+      } else {
+        return make(nullptr, one_register, two_registers);
+      }
+    };
+    if constexpr (family::tabulate != 0) {
+      const auto tables = tables_of<Model, Real>(numbers.data(), visible_sample::functions);
+      if (tables != nullptr) {
+        const auto one = tabulated_distribution<Model, lanes<Real>>(*tables, numbers);
+        const auto two = tabulated_distribution<Model, lanes<Real, most_registers>>(*tables, numbers);
+        return with_own(&one, &two);
+      }
+    }
+    return with_own(nullptr, nullptr);
+  }
+};
+
+template <class Model>
+bool add_materials_of(PyObject* space) {
+  using kernels = kernels_for_materials<Model>;
+  return add_materials(space,
+                       {Model::count, &kernels::template with<float>, &kernels::template with<double>});
+}
+
+}  // namespace microfacet::bindings

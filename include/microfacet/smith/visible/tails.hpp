@@ -1,0 +1,174 @@
+// What smith/visible/slope.hpp asks of a family, from the functions of any radial family: quotients of tails
+// by the density of slopes along an axis, and inverses. Meant for prepared densities, whose functions cost
+// alike; a family itself takes their place where there are no tables of it that keep the contract.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "microfacet/approx/gauss.hpp"
+#include "microfacet/core/elementary.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/family/radial.hpp"
+
+namespace microfacet {
+
+namespace detail {
+inline const gauss_legendre<24> rule_across;
+}
+
+template <class Family, class T>
+class visible_tails {
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+
+ public:
+  explicit visible_tails(const Family& family) : family_(family) {}
+
+  // Smaller probabilities leave the range of P2.
+  static T least_share() { return T(single ? 1e-30 : 1e-250); }
+  T density(const T& t) const { return maximum(P2(off_zero(t)), smallest<T>()); }
+  T slope_sf(const T& t) const {
+    return called([&] { return family_.slope_sf(slope<T>(off_zero(t))); });
+  }
+  T slope_excess(const T& t) const {
+    return called([&] { return family_.slope_excess(slope<T>(off_zero(t))); });
+  }
+  T sf_over_density(const T& t) const { return slope_sf(t) / density(t); }
+  // Nearly: exact for an exponential, and far out for a power and a Gaussian.
+  T log_slope(const T& t, const T& sf, const T& excess) const {
+    const T ratio = sf * sf / excess;
+    return (ratio - T(2)) * t * t / (sf * (t * t + T(0.25) * sf * sf));
+  }
+  T survival_radius(const T& depth) const {
+    if constexpr (requires { family_.radius_at_odds(depth); }) {
+      return family_.radius_at_odds(expm1(depth));
+    } else {
+      const T xi = minimum(T(-expm1(-depth)), T(single ? 1 - 0x1p-24 : 1 - 0x1p-53));
+      if constexpr (requires { family_.radius(xi); }) {
+        return family_.radius(xi);
+      } else {
+        return sqrt(family_.radius2(xi));
+      }
+    }
+  }
+  T moment_radius(const T& t, const T& depth) const {
+    const T moment = slope_excess(t) / density(t) + t * sf_over_density(t);
+    // As of a Gaussian: exact for small depths.
+    const T twice = T(2) * depth * moment;
+    const T light = twice / (t + sqrt(t * t + twice) + smallest<T>());
+    if constexpr (requires { family_.visible(); }) {
+      const T all(family_.visible().first_moment);
+      const T odds = all / (moment * density(t)) * exp(minimum(depth, T(single ? 60 : 500))) - T(1);
+      const T outer = family_.visible().moment_radius(double_double<T>(odds)) - t;
+      return select((odds > T(0.4)) & (outer > T(0.1) * t), outer, light);
+    } else {
+      return select(t > T(0), light, maximum(light, survival_radius(depth)));
+    }
+  }
+  T inverse_tail() const { return T(0); }
+
+  // By Gauss' rule, away from the cusp that a density may have at 0.
+  auto is_near(const T& t, const T& d, const T& sf) const { return (d < T(0.25) * sf) & (d < T(0.25) * t); }
+  near_integrals<T> near_moments(const T& t, const T& d) const {
+    constexpr std::array<double, 4> node{0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
+                                         0.93056815579702629},
+        weight{0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
+    const T reciprocal = T(1) / density(t);
+    T mass(0), moment(0);
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      const T s = T(node[i]) * d, part = T(weight[i]) * density(T(t + s)) * reciprocal;
+      mass = mass + part, moment = moment + s * part;
+    }
+    return {d * mass, d * moment};
+  }
+
+  // Whether P2 is the marginal of a density in three dimensions, as `across` takes for granted.
+  auto lifts() const {
+    if constexpr (requires { family_.visible(); }) {
+      const T falls(family_.visible().falls ? T(1) : T(0));
+      return falls > T(0);
+    } else if constexpr (requires { family_.falls(); }) {
+      return family_.falls();
+    } else {
+      return T(0) == T(0);
+    }
+  }
+  // Otherwise: the slope across by the quantile of its size, |q| = scale tan(angle), from an integral.
+  T across_by_integral(const T& along_argument, const T& xi) const {
+    const auto& rule = detail::rule_across;
+    const T along = abs(along_argument), scale = along + sf_over_density(along);
+    const auto part = [&](const T& angle) {
+      const elementary::circle<T> at = elementary::cos_sin_of_turns(T(angle * T(0.25)));
+      const T cosine = maximum(at.cosine, T(1e-6)), q = scale * at.sine / cosine;
+      return T(family_.P22(double_double<T>(along * along + q * q)) * scale / (cosine * cosine));
+    };
+    const auto integral = [&](const T& angle) {
+      T sum(0);
+      for (std::size_t i = 0; i < rule.nodes; ++i)
+        sum = sum + T(0.5 * rule.weight[i]) * part(T(angle * T(0.5 * (1 + rule.node[i]))));
+      return T(sum * angle);
+    };
+    const T target = xi * integral(T(1));
+    T angle = xi;
+    for (int i = 0; i < 10; ++i) {
+      const T next = angle - (integral(angle) - target) / maximum(part(angle), smallest<T>());
+      angle = maximum(minimum(next, T(T(0.5) + T(0.5) * angle)), T(T(0.5) * angle));
+    }
+    const elementary::circle<T> at = elementary::cos_sin_of_turns(T(angle * T(0.25)));
+    return scale * at.sine / maximum(at.cosine, T(1e-6));
+  }
+
+  // sqrt(R^2 - along^2) at P2(R) = exp(-depth) P2(along): Newton's method on log P2 in R^2.
+  T across(const T& along_argument, const T& depth) const {
+    const T along = abs(along_argument), sf = sf_over_density(along);
+    const T twice = T(2) * depth * sf;
+    T rest = twice * (along + sf) + square(T(depth * sf));
+    if constexpr (requires { family_.visible(); }) {
+      const T start(family_.visible().inverse_P2);
+      const T inverse = exp(minimum(depth, T(single ? 40 : 500))) / density(along) - start;
+      const T R = family_.visible().marginal_radius(double_double<T>(inverse));
+      rest = select((R > T(1.2) * along) & (inverse > T(0.03) * start), T((R - along) * (R + along)), rest);
+    }
+    // In the variable log(R^2 - along^2), between bounds.
+    const T start = density(along);
+    T least(0), most = square(largest_slope<T>());
+    auto moving = elementary::is_number(rest) & (rest > T(0));
+    for (int i = 0; i < 40; ++i) {
+      const T R = off_zero(sqrt(along * along + rest)), value = density(R), r = log(start / value) - depth;
+      least = select(r < T(0), rest, least), most = select(r > T(0), rest, most);
+      const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
+      const T change = T(2) * R * r / maximum(T(slope * rest), smallest<T>());
+      const T to = rest * exp(maximum(minimum(T(-change), T(4)), T(-4)));
+      const auto inside = (to >= least) & (to <= most);
+      const T moved = select(inside | (least == T(0)), to, T(sqrt(least) * sqrt(most)));
+      const auto changes = abs(moved - rest) > T(single ? 1e-3 : 1e-9) * rest;
+      rest = select(moving & elementary::is_number(moved) & (moved >= T(0)), moved, rest);
+      moving = moving & changes;
+      if (!any_lane(moving)) break;
+    }
+    return select(depth == T(0), T(0), T(sqrt(rest)));  // where rounding would leave its root
+  }
+
+ private:
+  T P2(const T& t) const {
+    return called([&] { return family_.P2(slope<T>(t)); });
+  }
+  // The functions of a family itself are long: calls.
+  template <class Function>
+  MICROFACET_INLINE static T called(const Function& function) {
+    if constexpr (requires(const Family f) { f.visible(); }) {
+      return function();
+    } else {
+      return call(function);
+    }
+  }
+  template <class Function>
+  [[gnu::noinline]] static T call(const Function& function) {
+    return function();
+  }
+  static T off_zero(const T& t) { return maximum(t, T(single ? 1e-30 : 1e-200)); }
+
+  const Family& family_;
+};
+
+}  // namespace microfacet

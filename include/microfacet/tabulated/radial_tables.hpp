@@ -1,0 +1,180 @@
+// The functions of family/radial.hpp for fixed shape parameters as piecewise polynomials, built once from a
+// family in double precision and stored in the precision T: a plain value of fixed size. Tables are built and
+// judged one by one.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "microfacet/approx/piecewise.hpp"
+#include "microfacet/approx/piecewise_fit.hpp"
+#include "microfacet/core/double_double.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/family/radial.hpp"
+#include "microfacet/tabulated/visible_tables.hpp"
+
+namespace microfacet {
+
+// The largest relative errors, measured on the tables themselves, near 1 and beyond exp(20) (float) or
+// exp(50).
+struct radial_error {
+  double error = 0, far_error = 0;
+};
+
+template <class T>
+class radial_tables {
+ public:
+  static constexpr bool single = sizeof(T) == 4;
+  using table = piecewise<T, single ? 8 : 18>;
+
+  table root_D;        // sqrt(P22) (1 + r2) at r2: D(z, h2) = (root_D(h2/z^2)/(z^2 + h2))^2 stays away from 0
+  table survival;      // at r2
+  table radius;        // at the odds xi/(1 - xi)
+  table root_P2;       // the square root of P2 at t > 0
+  table slope_sf;      // at t > 0
+  table slope_excess;  // at t^2
+  visible_tables<T> visible;
+
+  // From a family in double precision, scalar or pack.
+  template <class Family>
+  void build(const Family& family, unsigned functions = of_all);
+
+  radial_error error(unsigned functions) const {
+    radial_error e;
+    each(functions, [&e](const table& t) {
+      e.error = (std::max)(e.error, t.error), e.far_error = (std::max)(e.far_error, t.far_error);
+    });
+    return e;
+  }
+  // Whether these functions keep the accuracy contract with a margin. What visible normals need besides does
+  // not decide: a table of it that could not be built is nan, and only starts an iteration elsewhere, or the
+  // tables are not `complete`.
+  bool good(unsigned functions) const {
+    const radial_error e = error(functions);
+    return e.error <= (single ? 1.8e-6 : 8e-14) && e.far_error <= (single ? 2.5e-5 : 8e-13);
+  }
+
+ private:
+  template <class Use>
+  void each(unsigned functions, const Use& use) const {
+    if (functions & of_P22) use(root_D);
+    if (functions & of_survival) use(survival);
+    if (functions & of_radius) use(radius);
+    if (functions & of_P2) use(root_P2);
+    if (functions & of_slope_sf) use(slope_sf);
+    if (functions & of_slope_excess) use(slope_excess);
+  }
+};
+
+namespace detail {
+
+template <class R>
+double first_lane(const R& r) {
+  double x;
+  std::memcpy(&x, &r, sizeof x);
+  return x;
+}
+
+template <class Family>
+class radial_samples {
+  using R = typename Family::scalar;
+
+ public:
+  explicit radial_samples(const Family& family) : family_(family) {}
+
+  R root_D(const R& L) const {
+    const R r = elementary::exp(R(R(0.5) * L)), r2 = r * r;
+    const auto inner = [&] {
+      if constexpr (requires { family_.P22_of_slope(r); }) {
+        return R(sqrt(family_.P22_of_slope(r)) * (R(1) + r2));
+      } else {
+        return R(sqrt(family_.P22(double_double<R>(r2))) * (R(1) + r2));
+      }
+    };
+    // Beyond 1 through D at a small cosine, where it underflows much later.
+    const R z(0x1p-32), z2 = z * z;
+    const auto outer = [&] { return R(sqrt(family_.D(z, double_double<R>(r2 * z2))) * (z2 + r2 * z2)); };
+    return select_lazy(r <= R(1), inner, outer);
+  }
+  R survival(const R& L) const { return family_.survival(square_of(elementary::exp(R(R(0.5) * L)))); }
+  R root_P2(const R& L) const { return sqrt(family_.P2(slope<R>(elementary::exp(L)))); }
+  R slope_sf(const R& L) const { return family_.slope_sf(slope<R>(elementary::exp(L))); }
+  R slope_excess(const R& L) const { return family_.slope_excess(slope<R>(elementary::exp(R(R(0.5) * L)))); }
+
+  // Above the median xi = 1 - rest loses what rest has: Newton's method on log survival against log r^2.
+  R radius(const R& L) const {
+    const R odds = elementary::exp(L), xi = minimum(R(odds / (R(1) + odds)), R(1 - 0x1p-53));
+    R start;
+    if constexpr (requires { family_.radius(xi); }) {
+      start = family_.radius(xi);
+    } else {
+      start = sqrt(family_.radius2(xi));
+    }
+    const auto refine = [&] {
+      R M = R(2) * log(start);
+      for (int i = 0; i < 4; ++i) {
+        const double_double<R> r2 = square_of(elementary::exp(R(R(0.5) * M)));
+        const R above = family_.survival(r2),
+                change = log(above * (R(1) + odds)) * above / (R(pi) * r2.high * family_.P22(r2));
+        M = M + minimum(maximum(change, R(-2)), R(2));
+      }
+      return R(elementary::exp(R(R(0.5) * M)));
+    };
+    return select_lazy((L > R(0)) & (start < R(1e100)), refine, [&] { return start; });
+  }
+
+ private:
+  static double_double<R> square_of(const R& r) { return two_prod(r, r); }
+  const Family& family_;
+};
+
+}  // namespace detail
+
+template <class T>
+template <class Family>
+void radial_tables<T>::build(const Family& family, unsigned functions) {
+  using R = typename Family::scalar;
+  // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
+  constexpr double least = single ? -87 : -700, slope_end = single ? 20 : 40, square_end = 2 * slope_end;
+  constexpr double tiny = static_cast<double>((std::numeric_limits<T>::min)()),
+                   tiny_root = single ? 1e-22 : 1e-150;
+  constexpr double central = single ? 20 : 50;
+  // Smaller odds than exp(-680) leave the inversion no digits.
+  constexpr double least_odds = single ? least : -680;
+  const detail::radial_samples<Family> samples(family);
+  const auto fill = [](table& t, const auto& function, const fit_range& range) {
+    const auto sample = [&](const double* L, double* f, std::size_t n) {
+      detail::in_lanes<R>(L, f, n, function);
+    };
+    t = piecewise_fit<table>(sample, range)();
+  };
+  const auto at_zero = [](const R& value) { return detail::first_lane(value); };
+  const R zero(0);
+  if (functions & of_P22)
+    fill(root_D, [&](const R& L) { return samples.root_D(L); },
+         {least, square_end, least, std::sqrt(at_zero(family.P22(double_double<R>(zero)))),
+          single ? tiny : 1e-160, central, true});
+  if (functions & of_survival)
+    fill(survival, [&](const R& L) { return samples.survival(L); },
+         {least, square_end, least, 1, tiny, central, true});
+  if (functions & of_radius)
+    fill(radius, [&](const R& L) { return samples.radius(L); },
+         {least_odds, single ? 17 : 37, 0, 0, single ? tiny : 1e-290, central});
+  if (functions & of_P2)
+    fill(root_P2, [&](const R& L) { return samples.root_P2(L); },
+         {least, slope_end, least, std::sqrt(at_zero(family.P2(slope<R>(zero)))), tiny_root, central});
+  if (functions & of_slope_sf)
+    fill(slope_sf, [&](const R& L) { return samples.slope_sf(L); },
+         {least, slope_end, least, 0.5, tiny, central});
+  if (functions & of_slope_excess)
+    fill(slope_excess, [&](const R& L) { return samples.slope_excess(L); },
+         {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
+  if (functions & of_visible) visible.build(family);
+}
+
+}  // namespace microfacet

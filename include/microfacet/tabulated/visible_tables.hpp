@@ -1,0 +1,174 @@
+// What visible normals take from tables besides the functions of a density. In float32 they are drawn from
+// these tables alone (smith/visible_mixture.hpp); in float64 the inverses of differences have not all digits,
+// and only start the iterations of smith/visible/tails.hpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+
+#include "microfacet/approx/piecewise.hpp"
+#include "microfacet/approx/piecewise_fit.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/family/radial.hpp"
+
+namespace microfacet {
+
+namespace detail {
+
+// What the tables hold, of a family in double precision.
+template <class Family>
+class visible_samples {
+  using R = typename Family::scalar;
+
+ public:
+  explicit visible_samples(const Family& family)
+      : family_(family), all_(moment(R(0))), inverse_peak_(R(1) / P2(R(0))) {}
+
+  // Calls: the functions of a family are long.
+  [[gnu::noinline]] R P2(const R& t) const { return family_.P2(slope<R>(t)); }
+  [[gnu::noinline]] R moment(const R& t) const {
+    return family_.slope_excess(slope<R>(t)) + t * family_.slope_sf(slope<R>(t));
+  }
+  // Newton's method on logarithms; a lane that has converged stays, whatever its neighbours do.
+  R moment_radius(const R& L) const {
+    const R odds = elementary::exp(L), target = log(all_) - log(R(1) + odds);
+    R y = R(0.5) * (log(R(2) * all_ / maximum(P2(R(sqrt(all_))), R(1e-3))) + log(log1p(odds)));
+    auto moving = y == y;
+    for (int i = 0; i < 60; ++i) {
+      const R t = elementary::exp(y), m = moment(t);
+      const R change = (log(m) - target) * m / maximum(R(t * t * P2(t)), R(1e-300));
+      y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
+      moving = moving & (abs(change) > R(1e-12));
+      if (!any_lane(moving)) break;
+    }
+    return elementary::exp(y);
+  }
+  R excess_radius(const R& L) const {
+    R y = minimum(R(L + log(all_)), R(R(0.5) * log(log1p(exp(minimum(L, R(600)))))));
+    auto moving = y == y;
+    for (int i = 0; i < 60; ++i) {
+      const R t = elementary::exp(y), J = family_.slope_excess(slope<R>(t));
+      const R change = (y - log(maximum(J, R(1e-300))) - L) /
+                       (R(1) + t * family_.slope_sf(slope<R>(t)) / maximum(J, R(1e-300)));
+      y = select(moving, R(y - minimum(maximum(change, R(-1)), R(1))), y);
+      moving = moving & (abs(change) > R(1e-12));
+      if (!any_lane(moving)) break;
+    }
+    return elementary::exp(y);
+  }
+  R marginal_radius(const R& L) const {
+    const R target = -log(elementary::exp(L) + inverse_peak_), h(1e-4);
+    R y = log(R(2) * all_);
+    auto moving = y == y;
+    for (int i = 0; i < 80; ++i) {
+      const R value = log(P2(elementary::exp(y))), slope = (value - log(P2(elementary::exp(R(y + h))))) / h;
+      const R change = (value - target) / maximum(slope, R(1e-6));
+      y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
+      moving = moving & (abs(change) > R(1e-11));
+      if (!any_lane(moving)) break;
+    }
+    return elementary::exp(y);
+  }
+  double all() const { return number(all_); }
+  double inverse_peak() const { return number(inverse_peak_); }
+  double at(double t) const { return number(P2(R(t))); }
+
+ private:
+  static double number(const R& r) {
+    double x;
+    std::memcpy(&x, &r, sizeof x);
+    return x;
+  }
+  const Family& family_;
+  R all_, inverse_peak_;
+};
+
+template <class T>
+using visible_table = piecewise<T, sizeof(T) == 4 ? 8 : 18>;
+
+// t at t/slope_excess(t), in float32: in float64 the range is too long for one table.
+template <class Family>
+visible_table<float> excess_radius_table(const Family& family) {
+  const visible_samples<Family> samples(family);
+  const auto sample = [&](const double* L, double* f, std::size_t n) {
+    in_lanes<typename Family::scalar>(L, f, n, [&](const auto& x) { return samples.excess_radius(x); });
+  };
+  const auto up_to = [&](double upper) {
+    const fit_range range{-87, upper, 0, 0, static_cast<double>((std::numeric_limits<float>::min)()), 20};
+    return piecewise_fit<visible_table<float>>(sample, range)();
+  };
+  // Of very heavy tails J ends where slopes do; it goes on as a power.
+  visible_table<float> t = up_to(86);
+  if (!(t.error < 1)) t = up_to(60);
+  return t;
+}
+
+}  // namespace detail
+
+template <class T>
+class visible_tables {
+  static constexpr bool single = sizeof(T) == 4;
+
+ public:
+  using table = detail::visible_table<T>;
+
+  table moment;                    // M(t) = int_t^inf y P2(y) dy at t
+  table moment_radius;             // t at M(0)/M(t) - 1
+  table marginal_radius;           // t at 1/P2(t) - 1/P2(0)
+  table excess_radius;             // t at t/slope_excess(t)
+  T first_moment{}, inverse_P2{};  // M(0) and 1/P2(0)
+  bool falls = true;               // whether P2 decreases everywhere
+  bool complete = false;           // whether visible normals can be drawn from the tables alone
+
+  // From a family in double precision.
+  template <class Family>
+  void build(const Family& family) {
+    using R = typename Family::scalar;
+    const detail::visible_samples<Family> samples(family);
+    first_moment = static_cast<T>(samples.all()), inverse_P2 = static_cast<T>(samples.inverse_peak());
+    falls = true;
+    // The mean length of a slope along an axis.
+    const double mean = 2 * samples.all();
+    for (double t = 1e-3; t < 1e3; t *= 1.2)
+      falls = falls && samples.at(t * mean) >= samples.at(1.2 * t * mean);
+    const auto fill = [&](table& t, const auto& function, const fit_range& range) {
+      const auto sample = [&](const double* L, double* f, std::size_t n) {
+        detail::in_lanes<R>(L, f, n, function);
+      };
+      t = piecewise_fit<table>(sample, range)();
+    };
+    // Heavy tails are powers by exp(60), light ones go on.
+    const auto fill_far = [&](table& t, const auto& function, fit_range range) {
+      range.upper = single ? 86 : 60;
+      fill(t, function, range);
+      if (t.error < 1) return;
+      range.upper = 60;
+      fill(t, function, range);
+    };
+    constexpr double tiny = static_cast<double>((std::numeric_limits<T>::min)()), central = single ? 20 : 50,
+                     least = single ? -87 : -700;
+    // Near 0 the inverses of differences have the digits of float32 alone.
+    const double peak = samples.inverse_peak(), smallest = single ? 1e-6 : 0.02;
+    const double middle = std::log(1 / samples.at(mean) - peak);
+    const double from =
+        (std::min)(std::log(peak > 1e-290 ? smallest * peak : 1 / samples.at(1e-8 * mean)), middle - 1);
+    fill_far(moment_radius, [&](const R& L) { return samples.moment_radius(L); },
+             {single ? -14.0 : -1.0, 60, 1, 0, 1e-30, 50});
+    fill_far(marginal_radius, [&](const R& L) { return samples.marginal_radius(L); },
+             {from, 60, middle, 0, 1e-9 * mean, 50});
+    if constexpr (single) {
+      fill(moment, [&](const R& L) { return samples.moment(R(elementary::exp(L))); },
+           {least, 20, least, samples.all(), tiny, central});
+      excess_radius = detail::excess_radius_table(family);
+      complete = falls;
+      for (const table* t : {&moment, &moment_radius, &marginal_radius, &excess_radius})
+        complete = complete && t->error < 2e-6;
+    }
+  }
+};
+
+}  // namespace microfacet
