@@ -36,7 +36,7 @@ PYTHON_LAYERS = (
     {"testing", "plot", "_checks", "_surface", "_bake"},
     {"_fit", "mitsuba"},
     {"_render"},
-    {"_report", "_console"},
+    {"_report"},
     {"cli"},
     {"__main__"},
 )

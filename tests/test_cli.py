@@ -17,8 +17,8 @@ from click.testing import CliRunner, Result
 import microfacet as mf
 from limits import HANG
 from microfacet import _checks
-from microfacet._console.draw import Draw, View
 from microfacet.cli import main
+from microfacet.cli.sample import Draw, View
 
 Run = Callable[..., Result]
 
@@ -126,7 +126,7 @@ def test_sample_writes_files(
 ) -> None:
     if suffix == ".parquet":
         pytest.importorskip("pyarrow", reason="pyarrow is not installed")
-    monkeypatch.setattr("microfacet._console.draw._BLOCK", 7)
+    monkeypatch.setattr("microfacet.cli.sample._BLOCK", 7)
     path = tmp_path / f"normals{suffix}"
     result = run(
         "sample", "ggx", "--alpha", "0.3", "-n", "30", "--seed", "4", "-o", str(path), "--dtype", dtype
@@ -159,7 +159,7 @@ def test_sample_of_visible_normals(
     given, ndf = VISIBLE[family]
     path = tmp_path / "visible.npy"
     options = ["--visible", "100", "--phi", "30", "--scheme", scheme, "-n", "50", "--seed", "9"]
-    monkeypatch.setattr("microfacet._console.draw._BLOCK", 11)
+    monkeypatch.setattr("microfacet.cli.sample._BLOCK", 11)
     result = run("sample", family, *given, *options, "-o", str(path), "--json")
     assert result.exit_code == 0, result.stderr
     summary = json.loads(result.stdout)

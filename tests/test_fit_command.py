@@ -15,8 +15,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 import microfacet as mf
-from microfacet._console import fit_tables, fits
-from microfacet.cli import main
+from microfacet.cli import fit as fit_command
+from microfacet.cli import fits, main
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
 Run = Callable[..., Result]
@@ -253,7 +253,7 @@ def test_bad_options_are_one_sentence(run: Run, file: Path, options: list[str], 
     ],
 )
 def test_numbers_have_the_digits_that_their_errors_leave(value: float, error: float, text: str) -> None:
-    assert fit_tables.value(value, error) == text
+    assert fit_command.value(value, error) == text
 
 
 def test_a_job_travels_and_its_result_too(file: Path) -> None:

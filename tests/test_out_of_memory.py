@@ -11,8 +11,7 @@ from click.testing import CliRunner
 
 import microfacet as mf
 from limits import HANG
-from microfacet._console import draw
-from microfacet.cli import main
+from microfacet.cli import main, sample
 
 FILL = """
 import resource
@@ -102,11 +101,11 @@ def test_a_command_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def exhausted(*_: object) -> None:
         raise MemoryError("Unable to allocate 7.45 EiB")
 
-    monkeypatch.setattr(draw, "write_csv", exhausted)
+    monkeypatch.setattr(sample, "write_csv", exhausted)
     result = CliRunner().invoke(main, ["sample", "ggx", "--alpha", "0.3"])
     assert result.exit_code == 2
     assert result.stderr == "microfacet: there is not enough memory: Unable to allocate 7.45 EiB\n"
-    monkeypatch.setattr(draw, "write_csv", lambda *_: bytes(2**62))
+    monkeypatch.setattr(sample, "write_csv", lambda *_: bytes(2**62))
     result = CliRunner().invoke(main, ["sample", "ggx", "--alpha", "0.3"])
     assert result.exit_code == 2
     assert result.stderr == "microfacet: there is not enough memory\n"

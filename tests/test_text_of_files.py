@@ -16,9 +16,8 @@ from click.testing import CliRunner
 from rich.console import Console
 
 import microfacet as mf
-from microfacet._console import tables
 from microfacet._text import listed, printable
-from microfacet.cli import main
+from microfacet.cli import main, printing
 from test_hostile_files import INDEX, archive, npy
 
 CLEAR = "\x1b[2J\x1b]0;mine\x07"  # clears a terminal and names its window
@@ -123,7 +122,7 @@ def test_names_of_files(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_cells_are_no_markup() -> None:
     stream = io.StringIO()
     out = Console(file=stream, force_terminal=True, width=200, color_system=None)
-    tables.show(out, ["file", "n"], [["scan[red].npy", "[/bold]"], [CLEAR, "1"]], left=1)
+    printing.show(out, ["file", "n"], [["scan[red].npy", "[/bold]"], [CLEAR, "1"]], left=1)
     assert "scan[red].npy" in stream.getvalue()
     assert "[/bold]" in stream.getvalue()
     assert "\x1b[2J" not in stream.getvalue()
@@ -134,9 +133,9 @@ def test_progress_is_no_markup() -> None:
     code = """
 import sys
 sys.stderr.isatty = lambda: True
-from microfacet._console.program import progress
-with progress() as tell:
-    tell("[/bold].npy \\x1b[2J", 1, 2)
+from microfacet.cli.printing import progress_line
+with progress_line() as progress:
+    progress("[/bold].npy \\x1b[2J", 1, 2)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -1,27 +1,102 @@
-"""Sampled normals as a file or a stream, in blocks, so that memory stays bounded for any number of them."""
+"""The command `microfacet sample`: normals as a file or a stream, in blocks, so that memory stays bounded."""
 
 from __future__ import annotations
 
+import json
 import math
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import click
 import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from microfacet._files import ending, replacing
 from microfacet._optional import needed
+from microfacet.cli.parameters import distribution, family_named, parameter_options
+from microfacet.cli.printing import announce, progress_line, where
+from microfacet.cli.program import json_option
 
-__all__ = ["Draw", "View", "save", "write_csv"]
+__all__ = ["Draw", "View", "sample", "save", "write_csv"]
 
 Array = NDArray[Any]
 #: Told what is written, how many normals are, and how many will be.
 Progress = Callable[[str, int, int], None]
 
 _BLOCK = 2**16
+
+
+@click.command()
+@click.argument("family")
+@click.option(
+    "-n", "--count", type=click.IntRange(min=1), default=10, show_default=True, help="How many normals."
+)
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same normals."
+)
+@parameter_options
+@click.option(
+    "--visible",
+    type=click.FloatRange(0.0, 180.0),
+    metavar="THETA",
+    help="Only normals seen from THETA degrees off the macronormal (above 90: from below the horizon).",
+)
+@click.option("--phi", type=float, metavar="DEGREES", help="Azimuth of that direction; 0 otherwise.")
+@click.option(
+    "--scheme",
+    type=click.Choice(["continuous", "mixture"]),
+    help="How they are drawn: continuous in the random numbers, or cheaper. Both are exact.",
+)
+@click.option("--bounded", is_flag=True, help="Fewer normals that reflect below the horizon (ggx).")
+@click.option("--dtype", type=click.Choice(["float64", "float32"]), default="float64", help="Precision.")
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False), help="FILE.npy, .csv or .parquet; stdout otherwise."
+)
+@json_option
+def sample(
+    family: str,
+    count: int,
+    seed: int,
+    parameters: dict[str, float],
+    visible: float | None,
+    phi: float | None,
+    scheme: str | None,
+    bounded: bool,
+    dtype: str,
+    output: str | None,
+    as_json: bool,
+) -> None:
+    """Draw normals from D cos(theta), or those seen from a direction: rows x, y, z.
+
+    The normal in a row depends on the seed and the number of the row alone. With --json a summary is printed,
+    and --output says where the normals go.
+
+    \b
+    Examples:
+      microfacet sample ggx --alpha 0.3
+      microfacet sample k0 --alpha 0.3 --visible 85 -n 1000000 --seed 7 -o visible.npy
+      microfacet sample ggx --alpha 0.3 --visible 60 --bounded -o normals.csv --json
+    """
+    if as_json and output is None:
+        raise click.UsageError("--json prints a summary: say with --output where the normals go")
+    options = {"phi": phi, "scheme": scheme, "bounded": bounded or None}
+    given: dict[str, Any] = {name: value for name, value in options.items() if value is not None}
+    if visible is None and given:
+        raise click.UsageError("--phi, --scheme and --bounded go with --visible")
+    if scheme and bounded:
+        raise click.UsageError("--scheme and --bounded exclude each other")
+    view = None if visible is None else View(visible, **given)
+    work = Draw(distribution(family_named(family), parameters), count, seed, dtype, view)
+    if output is None:
+        write_csv(work, sys.stdout.buffer)
+        return
+    with progress_line() as progress:
+        save(work, Path(output), progress)
+    announce(json.dumps({"path": where(output), **work.as_dict()}) if as_json else where(output), output)
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,80 @@
-"""What `verify` prints: checks beside each other, histograms apart, and how many hold."""
+"""The command `microfacet verify`: every formula by a second route."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from microfacet._checks import HISTOGRAM, SIGNIFICANCE, CheckItem, CheckResult, p_value
-from microfacet._optional import needed
+import click
 
-with needed("tables need"):
-    from rich import box
+from microfacet.cli.parameters import parameter_options
+from microfacet.cli.printing import console, progress_line
+from microfacet.cli.program import families_option, json_option
+
+if TYPE_CHECKING:
     from rich.console import Console
+
+    from microfacet._checks import CheckItem, CheckResult
+
+__all__ = ["verify"]
+
+
+@click.command()
+@click.option(
+    "--grid",
+    is_flag=True,
+    help="Check over a grid of the whole domain (a minute or two); the table shows each check's worst point.",
+)
+@families_option
+@click.option("--id", "ids", multiple=True, metavar="ID", help="This check, such as k0.sampling; repeatable.")
+@parameter_options
+@json_option
+@click.pass_context
+def verify(
+    ctx: click.Context,
+    grid: bool,
+    families: tuple[str, ...],
+    ids: tuple[str, ...],
+    parameters: dict[str, float],
+    as_json: bool,
+) -> None:
+    """Check every formula by a second route. The exit status is 1 when one fails.
+
+    \b
+    Examples:
+      microfacet verify
+      microfacet verify --family gtr --alpha 0.2 --gamma 1.7
+      microfacet verify --id beckmann.sigma_delta --json
+    """
+    from microfacet import _checks
+
+    out = None if as_json else console()
+    items = _checks.catalogue()
+    results: list[_checks.CheckResult] = []
+    with progress_line() as progress:
+        for result in _checks.run(ids or None, families or None, grid, parameters):
+            results.append(result)
+            progress(result.id, len(results), 0)
+    if not results:
+        raise click.UsageError("no check applies at these parameters")
+    if out is None:
+        click.echo(json.dumps([result.as_dict() for result in results], indent=1, allow_nan=False))
+    else:
+        _print(out, items, results)
+        for line in _summary(items, results):
+            click.echo(line)
+    ctx.exit(0 if all(result.passed for result in results) else 1)
+
+
+def _print(out: Console, items: Sequence[CheckItem], results: Sequence[CheckResult]) -> None:
+    """One row per check, at the worst of the parameters it ran at, grouped by family; then the histograms."""
+    from rich import box
     from rich.table import Table
 
-__all__ = ["checks", "summary"]
+    from microfacet._checks import HISTOGRAM
 
-
-def checks(out: Console, items: Sequence[CheckItem], results: Sequence[CheckResult]) -> None:
-    """One row per check, at the worst of the parameters it ran at, grouped by family; then the histograms."""
     by_id: dict[str, list[CheckResult]] = {}
     for result in results:
         by_id.setdefault(result.id, []).append(result)
@@ -59,10 +116,12 @@ def _sides(result: CheckResult) -> list[str]:
 
 
 def _statistics(result: CheckResult) -> list[str]:
+    from microfacet._checks import SIGNIFICANCE, p_value
+
     return [f"{result.lhs:.5g}", f"{result.rhs:g}", f"{p_value(result):.2g}", f"{SIGNIFICANCE:g}"]
 
 
-def summary(items: Sequence[CheckItem], results: Sequence[CheckResult]) -> list[str]:
+def _summary(items: Sequence[CheckItem], results: Sequence[CheckResult]) -> list[str]:
     """How many checks hold: the notebooks', then the further ones; one holds if all its results do."""
     held: dict[str, bool] = {}
     for result in results:

@@ -7,17 +7,23 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import microfacet as mf
-from microfacet._console import surfaces
 from microfacet._fit.prediction import ANGLES, Prediction, predict
 from microfacet._optional import installed, sentence
+from microfacet.cli import surfaces
+from microfacet.cli.printing import finite
 
 __all__ = ["Failure", "Fitted", "Job", "attempt", "run"]
 
-Tell = Callable[[str, int, int], None]
+Progress = Callable[[str, int, int], None]
+
+_FIT = (
+    "family", "params", "standard_errors", "log_likelihood", "log_likelihood_per_sample", "held_out",
+    "held_out_error", "tied", "aic", "bic", "converged",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -32,17 +38,17 @@ class Job:
     angles: tuple[float, ...] = ANGLES
     terrain: bool = False  # instead of a file
 
-    def run(self, tell: Tell = lambda *_: None) -> Fitted:
+    def run(self, progress: Progress = lambda *_: None) -> Fitted:
         """Read, prepare, fit."""
         chosen = self.families or None
         options = {} if self.max_slopes is None else {"max_slopes": self.max_slopes}
         found = self._terrain() if self.terrain else surfaces.load(self.file, **self.reading)
         if isinstance(found, mf.SlopeSample):
-            results = mf.fit(found.values, chosen, progress=tell, **options)
+            results = mf.fit(found.values, chosen, progress=progress, **options)
             predictions = predict(results, self.angles)
             return Fitted(found.source, found.steps, results, predictions, slopes=found.values)
         surface = found
-        results = mf.fit(surface, chosen, progress=tell, **options)
+        results = mf.fit(surface, chosen, progress=progress, **options)
         return Fitted(
             surface.source,
             surface.steps,
@@ -51,7 +57,7 @@ class Job:
             surface,
             pixel=math.sqrt(math.prod(surface.pixel_size)),
             roughness=mf.roughness(surface),
-            scales=mf.fit_scales(surface, families=chosen, progress=tell) if self.scales else None,
+            scales=mf.fit_scales(surface, families=chosen, progress=progress) if self.scales else None,
         )
 
     def _terrain(self) -> mf.Surface:
@@ -86,6 +92,26 @@ class Fitted:
         ]
         return [*found, *(self.scales.notes if self.scales else ())]
 
+    def as_dict(self) -> dict[str, Any]:
+        """As a record for JSON: what was done, the ranked families, and what follows from them."""
+        first = self.results[0]
+        record = {
+            "source": self.source,
+            "steps": list(self.steps),
+            "lag": first.lag,
+            "lag_length": first.lag * self.pixel if first.lag and self.pixel else None,
+            "n": first.n,
+            "n_effective": first.n_effective,
+            "mean_slope": first.mean_slope,
+            "mean_slope_errors": first.mean_slope_errors,
+            "ranking": [_ranked(result) for result in self.results],
+            "prediction": [asdict(prediction) for prediction in self.predictions],
+            "roughness": self.roughness._asdict() if self.roughness else None,
+            "scales": _scales(self.scales) if self.scales else None,
+            "notes": self.notes,
+        }
+        return dict(finite(record))
+
 
 @dataclass(frozen=True)
 class Failure:
@@ -94,28 +120,32 @@ class Failure:
     source: str
     error: str
 
+    def as_dict(self) -> dict[str, Any]:
+        """As a record for JSON."""
+        return {"error": self.error}
+
 
 def run(
-    jobs: Sequence[Job], dask: str | None, tell: Tell, warn: Callable[[str], None]
+    jobs: Sequence[Job], dask: str | None, progress: Progress, warn: Callable[[str], None]
 ) -> list[Fitted | Failure]:
     """Every job; of a single one the errors are raised, of several they are collected.
 
     `dask` is the address of a scheduler, "local", "none", or None: local for several files if dask is there.
     """
     if len(jobs) == 1 and dask in (None, "none"):
-        return [jobs[0].run(tell)]
+        return [jobs[0].run(progress)]
     there = installed("distributed")
     if dask not in (None, "none") and not there:
         raise ImportError(sentence(f"--dask {dask} needs", "distributed"))
     if dask == "none" or not there:
         if not there:
             warn(sentence("fitting several files at a time needs", "distributed"))
-        return [_attempt(job, tell, done, len(jobs)) for done, job in enumerate(jobs)]
+        return [_attempt(job, progress, done, len(jobs)) for done, job in enumerate(jobs)]
     with _client("local" if dask is None else dask, len(jobs)) as client:
         distributed: Any = importlib.import_module("distributed")
         futures = client.map(attempt, jobs, pure=False)
         for done, _ in enumerate(distributed.as_completed(futures), start=1):
-            tell("files", done, len(jobs))
+            progress("files", done, len(jobs))
         return list(client.gather(futures))
 
 
@@ -129,8 +159,8 @@ def attempt(job: Job) -> Fitted | Failure:
         return Failure(job.file, f"{job.file}: there is not enough memory")
 
 
-def _attempt(job: Job, tell: Tell, done: int, total: int) -> Fitted | Failure:
-    tell(job.file, done, total)
+def _attempt(job: Job, progress: Progress, done: int, total: int) -> Fitted | Failure:
+    progress(job.file, done, total)
     return attempt(job)
 
 
@@ -154,3 +184,24 @@ def _client(address: str, jobs: int) -> Iterator[Any]:
         distributed.Client(cluster) as client,
     ):
         yield client
+
+
+def _ranked(result: Any) -> dict[str, Any]:
+    record = {name: getattr(result, name) for name in _FIT}
+    return record | {"goodness": asdict(result.goodness), "notes": list(result.notes)}
+
+
+def _scales(scales: Any) -> dict[str, Any]:
+    """Against the lag, for every family; the details of each fit are those of a fit at that lag."""
+    families = sorted(result.family for result in scales.results[0])
+    by_lag = [{result.family: result for result in results} for results in scales.results]
+    return {
+        "lags": scales.lags,
+        "lengths": scales.lengths,
+        "best": [results[0].family for results in scales.results],
+        "typical_slopes": scales.typical_slopes,
+        "exponents": scales.exponents,
+        "noise_lags": scales.noise_lags,
+        "params": {name: [fits[name].params for fits in by_lag] for name in families},
+        "standard_errors": {name: [fits[name].standard_errors for fits in by_lag] for name in families},
+    }

@@ -10,10 +10,11 @@ import click
 
 import microfacet as mf
 from microfacet import _render
-from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import announce, families_option, json_option, progress, say, where
-from microfacet._console.render import look_options, writable
 from microfacet._optional import require
+from microfacet.cli.parameters import family_named, stretched
+from microfacet.cli.printing import announce, progress_line, say, where
+from microfacet.cli.program import families_option, json_option
+from microfacet.cli.render import look_options, writable
 
 __all__ = ["gallery"]
 
@@ -114,9 +115,9 @@ def gallery(
     used = _render.start(variant, say)
     cells[0].check()
     pictures = []
-    with progress() as tell:
+    with progress_line() as progress:
         for number, look in enumerate(cells):
-            tell(f"{look.family}, balls", number, len(cells))
+            progress(f"{look.family}, balls", number, len(cells))
             radiance = _render.render(look, "sphere", (size, size), spp, seed, backdrop=False)
             pictures.append(radiance)
     labels = _render.looks({entry.name: entry.title for entry in entries}, shapes, alphas)

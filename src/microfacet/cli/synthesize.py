@@ -9,9 +9,10 @@ import click
 import numpy as np
 
 import microfacet as mf
-from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import announce, axes_options, json_option, parameter_options, where
 from microfacet._files import ending, replacing
+from microfacet.cli.parameters import axes_options, family_named, parameter_options, stretched
+from microfacet.cli.printing import announce, where
+from microfacet.cli.program import json_option
 
 __all__ = ["synthesize"]
 

@@ -1,18 +1,68 @@
-"""Evaluate one quantity of one family at values given as text."""
+"""The command `microfacet eval`: one quantity of one family at values given as text."""
 
 from __future__ import annotations
 
+import json
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 
-from microfacet._console.parameters import arguments
 from microfacet._docs import QUANTITIES
+from microfacet.cli.parameters import arguments, family_named, parameter_options
+from microfacet.cli.printing import console, finite, show
+from microfacet.cli.program import NumbersCommand, json_option
 
-__all__ = ["Evaluation", "evaluate", "quantities"]
+__all__ = ["Evaluation", "at", "evaluate"]
+
+
+@click.command("eval", cls=NumbersCommand)
+@click.argument("family")
+@click.argument("quantity")
+@click.argument("values", nargs=-1, required=True)
+@parameter_options
+@click.option("--dtype", type=click.Choice(["float64", "float32"]), default="float64", help="Precision.")
+@json_option
+def evaluate(
+    family: str,
+    quantity: str,
+    values: tuple[str, ...],
+    parameters: dict[str, float],
+    dtype: str,
+    as_json: bool,
+) -> None:
+    """Evaluate QUANTITY of FAMILY at VALUES, or at the lines of stdin where VALUES is "-".
+
+    QUANTITY is D, P22, P2, slope_cdf, sigma, Lambda, G1, survival, sample_slope or sample_u. P22 takes pairs
+    of slopes: 0.1,0.2. JSON has no inf and no nan: with --json they become null.
+
+    \b
+    Examples:
+      microfacet eval ggx Lambda 0.1 0.5 0.9 --alpha 0.3
+      microfacet eval beckmann sigma -0.5 --alpha 0.5
+      seq 0 0.1 1 | microfacet eval student_t D - --alpha 0.3 --gamma 2.5
+    """
+
+    entry = family_named(family)
+    lines: Iterable[str] = (line for line in sys.stdin if line.strip()) if values == ("-",) else values
+    result = at(entry, quantity, lines, parameters, dtype)
+    if as_json:
+        click.echo(json.dumps(finite(result.as_dict()), allow_nan=False))
+    else:
+        _print(result)
+
+
+def _print(result: Evaluation) -> None:
+    """One row per point; every digit that distinguishes the result."""
+    names = [argument.name for argument in QUANTITIES[result.quantity].arguments]
+    rows = [
+        [*map(str, point), str(value)] for point, value in zip(result.points, result.results, strict=True)
+    ]
+    show(console(), [*names, result.quantity], rows, left=0)
 
 
 @dataclass(frozen=True)
@@ -38,13 +88,7 @@ class Evaluation:
         }
 
 
-def quantities(family: Any) -> dict[str, np.ufunc]:
-    """The ufuncs of a family by name."""
-    kernels = family.kernels
-    return {name: value for name in dir(kernels) if isinstance(value := getattr(kernels, name), np.ufunc)}
-
-
-def evaluate(
+def at(
     family: Any, quantity: str, values: Iterable[str], parameters: Mapping[str, float], dtype: str
 ) -> Evaluation:
     """Parse `values`, one evaluation each ("0.3", or "0.1,0.2" where two slopes are taken), and evaluate.
@@ -52,7 +96,8 @@ def evaluate(
     ValueError for an unknown quantity, text that is no number, values and parameters where the quantity does
     not exist.
     """
-    known = quantities(family)
+    kernels = family.kernels
+    known = {name: value for name in dir(kernels) if isinstance(value := getattr(kernels, name), np.ufunc)}
     if quantity not in known:
         raise ValueError(f"quantity must be one of {', '.join(known)}, got {quantity!r}")
     scalars = [np.dtype(dtype).type(value) for value in arguments(family, parameters)]

@@ -9,7 +9,8 @@ from typing import Any
 
 import click
 
-from microfacet._console.program import announce, json_option, progress, where
+from microfacet.cli.printing import announce, progress_line, where
+from microfacet.cli.program import json_option
 
 __all__ = ["bake"]
 
@@ -90,14 +91,14 @@ def bake(
             raise click.UsageError(f"{family} has no parameter {name}")
     shape = gamma if gamma is not None else a
     grids = {"cos_theta": cos_theta, "azimuth": azimuth}
-    with progress() as tell:
+    with progress_line() as progress:
         table = mf.bake(
             kind,
             family,
             shape=shape,
             output=output,
             memory=memory * 1e9,
-            progress=tell,
+            progress=progress,
             command=shlex.join(["microfacet", *sys.argv[1:]]),
             **{name: value for name, value in grids.items() if value is not None},
             **options,

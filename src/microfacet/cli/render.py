@@ -14,18 +14,11 @@ import click
 
 import microfacet as mf
 from microfacet import _render
-from microfacet._console.parameters import family_named, stretched
-from microfacet._console.program import (
-    announce,
-    axes_options,
-    json_option,
-    parameter_options,
-    progress,
-    say,
-    where,
-)
 from microfacet._files import read_json
 from microfacet._text import listed
+from microfacet.cli.parameters import axes_options, family_named, parameter_options, stretched
+from microfacet.cli.printing import announce, progress_line, say, where
+from microfacet.cli.program import json_option
 
 __all__ = ["look_options", "render", "writable"]
 
@@ -159,9 +152,9 @@ def render(
     begin = time.monotonic()
     used = _render.start(variant, say)
     look.check()
-    with progress() as tell:
+    with progress_line() as progress:
         radiance = _render.render(
-            look, scene, size, spp, seed, lambda done, total: tell(f"{family}, samples", done, total)
+            look, scene, size, spp, seed, lambda done, total: progress(f"{family}, samples", done, total)
         )
     record = {
         **look.record(),
