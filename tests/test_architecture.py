@@ -27,7 +27,7 @@ PACKAGE = ROOT / "src" / "microfacet"
 # Lower layers first. A file includes or imports from layers below its own, and from its own folder.
 CPP_LAYERS = ("core", "approx", "special", "family", "tabulated", "smith", "bsdf")
 PYTHON_LAYERS = (
-    {"_arrays", "_calls", "_core", "_files", "_optional", "_text", "_value"},
+    {"_arrays", "_calls", "_core", "_files", "_optional", "_text", "_threads", "_value"},
     {"_docs", "_quantities"},
     {"_sampling"},
     {"_frozen"},

@@ -84,7 +84,7 @@ def test_elementwise_samplers_take_each_type_as_it_is(family: str) -> None:
 
 
 def test_narrowing_keeps_what_is_invalid() -> None:
-    from microfacet._bsdf.kernels import narrowed
+    from microfacet._bsdf.arguments import narrowed
 
     xi = np.array([0.0, 0.25, 1 - 2.0**-53, 1.0, 1 + 2.0**-30, -1e-9, np.nan, np.inf])
     found = narrowed(xi, np.float32)

@@ -30,24 +30,26 @@ def is_foreign(array: object) -> bool:
 
 def as_array(values: Any) -> Any:
     """An array of NumPy, dask or xarray."""
-    return values if is_foreign(values) else np.asanyarray(values)
+    return values if type(values) is np.ndarray or is_foreign(values) else np.asanyarray(values)
 
 
 def lifted(function: Callable[..., Any], *arguments: Argument, results: tuple[str, ...] = ("",)) -> Any:
     """`function` of the arrays, block by block where they are those of dask, with the labels of xarray.
 
-    Arguments are arrays and what their last axis holds: "w" components of a direction, "xi" uniform numbers,
-    "" nothing in particular. The other axes broadcast, and come first in the results. These have axes of
-    their own behind them: channels of a material, and components where `results` says "w".
+    Each argument is an array and what its last axis holds: "w" the components of a direction, "xi" uniform
+    numbers, "" nothing in particular. The other axes broadcast and come first in the results, followed by the
+    channels of a material, and by the components where `results` says "w".
     """
-    arrays = [array for array, _ in arguments]
-    if not any(map(is_foreign, arrays)):
-        return function(*arrays)
+    for array, _ in arguments:
+        if type(array) is not np.ndarray and is_foreign(array):
+            break
+    else:
+        return function(*[array for array, _ in arguments])
     empty = function(*(np.zeros((0, *_core(array, kind)), array.dtype) for array, kind in arguments))
     samples = [np.asarray(sample) for sample in (empty if len(results) > 1 else (empty,))]
     labels = _labels(arguments)
     own = [_axes(sample.ndim - 1, kind, labels) for sample, kind in zip(samples, results, strict=True)]
-    lift = _labelled if any(_is_of("xarray", array) for array in arrays) else _lazy
+    lift = _labelled if any(_is_of("xarray", array) for array, _ in arguments) else _lazy
     found = lift(function, arguments, samples, own)
     return tuple(found) if len(results) > 1 else found[0]
 

@@ -35,7 +35,7 @@ class Distribution(Sampling):
     _names: ClassVar[tuple[str, ...]]
     _values: tuple[float, ...]
 
-    __slots__ = ("_values",)
+    __slots__ = ("_calls", "_values")
 
     def __init_subclass__(cls) -> None:
         if "__init__" in vars(cls):
@@ -43,6 +43,7 @@ class Distribution(Sampling):
 
     def _freeze(self, values: tuple[float, ...]) -> None:
         object.__setattr__(self, "_values", values)
+        object.__setattr__(self, "_calls", {})
 
     @property
     def parameters(self) -> dict[str, float]:

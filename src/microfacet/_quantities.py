@@ -7,17 +7,24 @@ components as three arrays. They broadcast against each other, nothing is copied
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Quantities"]
+__all__ = ["Call", "Quantities"]
 
 
-def _components(owner: str, names: tuple[str, ...], arguments: tuple[ArrayLike | None, ...]) -> list[Any]:
+class Call(NamedTuple):
+    """A ufunc and the parameters that it takes last."""
+
+    kernel: Any
+    numbers: tuple[float, ...]  # for arrays of any library
+    arrays: tuple[NDArray[np.float64], ...]  # the same without dimensions, which NumPy need not convert
+
+
+def _components(owner: str, names: tuple[str, ...], given: list[Any]) -> list[Any]:
     """The x, y, z of every direction: views of arrays (..., 3), or three separate arrays for each."""
-    given = [argument for argument in arguments if argument is not None]
     if len(given) == 3 * len(names):
         return given
     if len(given) != len(names):
@@ -27,7 +34,7 @@ def _components(owner: str, names: tuple[str, ...], arguments: tuple[ArrayLike |
         )
     parts: list[Any] = []
     for name, argument in zip(names, given, strict=True):
-        # What handles ufuncs itself, as a dask array does, stays what it is; a table of pandas has no axes.
+        # An array with ufuncs of its own, such as dask's, stays as it is; pandas' cannot be indexed by axis.
         own = hasattr(argument, "__array_ufunc__") and hasattr(argument, "ndim")
         array: Any = argument if own and not hasattr(argument, "iloc") else np.asanyarray(argument)
         if array.ndim == 0 or array.shape[-1] != 3:
@@ -40,21 +47,38 @@ class Quantities:
     """The quantities of a distribution of normals; a subclass says which kernels compute them."""
 
     __slots__ = ()
+    _calls: dict[str, Call]  # those that were asked for
 
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
         """The ufunc of a quantity of directions or slopes, and the parameters that it takes last."""
         raise NotImplementedError
 
+    def _call(self, quantity: str) -> Call:
+        """The call of a quantity, made at its first use."""
+        call = self._calls.get(quantity)
+        if call is None:
+            kernel, numbers = self._kernel(quantity)
+            call = self._calls[quantity] = Call(kernel, numbers, tuple(map(np.array, numbers)))
+        return call
+
     def _of_slopes(self, quantity: str, slopes: tuple[ArrayLike, ...], out: Any, where: Any) -> Any:
-        kernel, parameters = self._kernel(quantity)
-        return kernel(*slopes, *parameters, out=out, where=where)
+        call = self._call(quantity)
+        return call.kernel(*slopes, *call.numbers, out=out, where=where)
 
     def _of_directions(
         self, quantity: str, names: tuple[str, ...], given: tuple[ArrayLike | None, ...], out: Any, where: Any
     ) -> Any:
-        kernel, parameters = self._kernel(quantity)
-        parts = _components(f"{type(self).__name__}.{quantity}", names, given)
-        return kernel(*parts, *parameters, out=out, where=where)
+        kernel, numbers, arrays = self._call(quantity)
+        parts: list[Any] = []
+        for w in given:
+            if type(w) is not np.ndarray or w.shape[-1:] != (3,) or len(given) != len(names):
+                listed = [argument for argument in given if argument is not None]
+                parts = _components(f"{type(self).__name__}.{quantity}", names, listed)
+                return kernel(*parts, *numbers, out=out, where=where)
+            parts += (w[..., 0], w[..., 1], w[..., 2])
+        if out is None and where is True:
+            return kernel(*parts, *arrays)
+        return kernel(*parts, *arrays, out=out, where=where)
 
     def D(
         self,
@@ -90,7 +114,7 @@ class Quantities:
         >>> round(float(mf.GGX(alpha=0.5).D(0, 0, 1)), 6)  # the same from components
         1.27324
         """
-        return self._of_directions("D", ("m",), (m, y, z), out, where)
+        return self._of_directions("D", ("m",), (m,) if y is z is None else (m, y, z), out, where)
 
     def P22(self, p: ArrayLike, q: ArrayLike, *, out: Any = None, where: Any = True) -> Any:
         """Joint density of the slopes `p` (along x) and `q` (along y); integrates to 1 over the plane."""
@@ -134,7 +158,7 @@ class Quantities:
         >>> mf.Beckmann(alpha=0.5).sigma([[0, 0, 1], [0, 0, -1]])
         array([1., 0.])
         """
-        return self._of_directions("sigma", ("w",), (w, y, z), out, where)
+        return self._of_directions("sigma", ("w",), (w,) if y is z is None else (w, y, z), out, where)
 
     def Lambda(
         self,
@@ -146,7 +170,7 @@ class Quantities:
         where: Any = True,
     ) -> Any:
         """Smith's Lambda towards `w` (..., 3): sigma(w) = w.z (1 + Lambda(w)); inf at w.z = 0."""
-        return self._of_directions("Lambda", ("w",), (w, y, z), out, where)
+        return self._of_directions("Lambda", ("w",), (w,) if y is z is None else (w, y, z), out, where)
 
     def G1(
         self,
@@ -158,7 +182,7 @@ class Quantities:
         where: Any = True,
     ) -> Any:
         """Smith's masking towards `w` (..., 3): w.z/sigma(w) for w.z > 0, else 0."""
-        return self._of_directions("G1", ("w",), (w, y, z), out, where)
+        return self._of_directions("G1", ("w",), (w,) if y is z is None else (w, y, z), out, where)
 
     def G2(
         self,
@@ -209,4 +233,4 @@ class Quantities:
         where: Any = True,
     ) -> Any:
         """Density per steradian of the normals that `sample` draws: D(m) cos(theta)."""
-        return self._of_directions("pdf", ("m",), (m, y, z), out, where)
+        return self._of_directions("pdf", ("m",), (m,) if y is z is None else (m, y, z), out, where)

@@ -2,45 +2,46 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet._arrays import as_array, is_foreign, lifted
-from microfacet._quantities import Quantities
+from microfacet._quantities import Call, Quantities
 
 __all__ = ["Sampling"]
 
+_AT_LEAST = {dims: tuple(range(dims, 5)) for dims in range(2, 5)}  # uniforms that may be given
 
-def _array(owner: str, name: str, values: ArrayLike, lengths: tuple[int, ...]) -> Any:
+
+def _array(owner: Any, method: str, name: str, values: ArrayLike, lengths: tuple[int, ...]) -> Any:
     """`values` as an array whose last axis has one of these lengths."""
     array = as_array(values)
     if array.ndim == 0 or array.shape[-1] not in lengths:
         wanted = " or ".join(f"(..., {length})" for length in lengths)
-        raise ValueError(f"{owner}: {name} must have shape {wanted}, got {array.shape}")
+        raise ValueError(
+            f"{type(owner).__name__}.{method}: {name} must have shape {wanted}, got {array.shape}"
+        )
     return array
 
 
-def _components(array: Any) -> tuple[Any, ...]:
-    """Views of the components that lie along the last axis of `array`."""
-    return tuple(array[..., i] for i in range(array.shape[-1]))
-
-
-def _normals(owner: str, inputs: tuple[Any, ...], out: Any) -> Any:
-    """Where to write normals: `out`, or a new array in the precision of the inputs."""
-    shape = (*np.broadcast_shapes(*(array.shape[:-1] for array in inputs)), 3)
-    if out is None:
-        single = all(np.can_cast(array.dtype, np.float32) for array in inputs)
-        return np.empty(shape, np.float32 if single else np.float64)
+def _check_out(owner: Any, method: str, out: Any, *inputs: Any) -> None:
     if any(map(is_foreign, inputs)):
         raise ValueError(
-            f"{owner}: out is for NumPy arrays; those of dask and xarray are results of their own"
+            f"{type(owner).__name__}.{method}: out is for NumPy arrays; those of dask and xarray are results "
+            "of their own"
         )
+    shape = (*np.broadcast_shapes(*(array.shape[:-1] for array in inputs)), 3)
     if np.shape(out) != shape:
-        raise ValueError(f"{owner}: out must have shape {shape}, got {np.shape(out)}")
-    return out
+        raise ValueError(f"{type(owner).__name__}.{method}: out must have shape {shape}, got {np.shape(out)}")
+
+
+@cache
+def _precision(*dtypes: np.dtype[Any]) -> type:
+    """The precision of results: float64 unless all inputs fit into float32."""
+    return np.float32 if all(np.can_cast(dtype, np.float32) for dtype in dtypes) else np.float64
 
 
 class Sampling(Quantities):
@@ -71,19 +72,23 @@ class Sampling(Quantities):
         >>> print(abs(mf.StudentT(alpha=0.3, gamma=2.5).sample([0.0, 0.25])))
         [0. 0. 1.]
         """
-        owner = f"{type(self).__name__}.sample"
-        uniforms = _array(owner, "xi", xi, (2,))
+        uniforms = _array(self, "sample", "xi", xi, (2,))
         if out is not None:
-            _normals(owner, (uniforms,), out)
-        return lifted(partial(self._draw, owner, "sample", 0, out), (uniforms, "xi"), results=("w",))
+            _check_out(self, "sample", out, uniforms)
+        return lifted(partial(self._draw, self._call("sample"), out), (uniforms, "xi"), results=("w",))
 
-    def _draw(self, owner: str, quantity: str, left_over: int, out: Any, *inputs: Any) -> Any:
-        """Normals by a kernel from the components of its inputs, the last of which it does not look at."""
-        kernel, parameters = self._kernel(quantity)
-        normals = _normals(owner, inputs, out)
-        parts = [part for array in inputs for part in _components(array)]
-        kernel(*parts, *[parts[-1]] * left_over, *parameters, out=_components(normals))
-        return normals
+    @staticmethod
+    def _draw(call: Call, out: Any, *inputs: Any) -> Any:
+        """Normals by a kernel from the components of its inputs, written to `out` or to a new array."""
+        parts = [array[..., i] for array in inputs for i in range(array.shape[-1])]
+        if out is None:
+            shape = (*np.broadcast(*parts).shape, 3)
+            out = np.empty(shape, _precision(*(array.dtype for array in inputs)))
+        # A kernel takes as many uniforms as its longest scheme, and does not look at those left over.
+        left_over = call.kernel.nin - len(parts) - len(call.arrays)
+        left_overs = parts[-1:] * left_over
+        call.kernel(*parts, *left_overs, *call.arrays, out[..., 0], out[..., 1], out[..., 2])
+        return out
 
     @property
     def visible_dims(self) -> int:
@@ -144,33 +149,33 @@ class Sampling(Quantities):
         >>> m.shape, bool((m[:, 2] > 0).all())
         ((1000, 3), True)
         """
-        owner = f"{type(self).__name__}.sample_visible"
-        quantity = self._visible_quantity(owner, scheme, bounded)
-        dims = self.mixture_dims if quantity.endswith("mixture") else self.visible_dims
-        directions = _array(owner, "w", w, (3,))
-        uniforms = _array(owner, "xi", xi, tuple(range(dims, 5)))
+        quantity, dims = self._visible_scheme(scheme, bounded)
+        directions = _array(self, "sample_visible", "w", w, (3,))
+        uniforms = _array(self, "sample_visible", "xi", xi, _AT_LEAST[dims])
         if out is not None:
-            _normals(owner, (directions, uniforms), out)
-        # Kernels take as many uniforms as their longest scheme, and do not look at those left over.
-        kernel, parameters = self._kernel(quantity)
-        left_over = kernel.nin - len(parameters) - 3 - dims
-        draw = partial(self._draw, owner, quantity, left_over, out)
+            _check_out(self, "sample_visible", out, directions, uniforms)
+        draw = partial(self._draw, self._call(quantity), out)
         return lifted(draw, (directions, "w"), (uniforms[..., :dims], "xi"), results=("w",))
 
-    def _visible_quantity(self, owner: str, scheme: str, bounded: bool) -> str:
+    def _visible_scheme(self, scheme: str, bounded: bool) -> tuple[str, int]:
+        """The quantity that a scheme computes, and how many uniforms it takes."""
         if not hasattr(self.kernels, "visible_dims"):
-            raise NotImplementedError(f"{owner}: only the families have it; sample draws from D cos(theta)")
+            raise NotImplementedError(
+                f"{type(self).__name__}.sample_visible: only the families have it; "
+                "sample draws from D cos(theta)"
+            )
         if scheme not in ("continuous", "mixture"):
-            raise ValueError(f'{owner}: scheme must be "continuous" or "mixture", got {scheme!r}')
+            raise ValueError(
+                f"{type(self).__name__}.sample_visible: scheme must be "
+                f'"continuous" or "mixture", got {scheme!r}'
+            )
         if bounded:
-            self._require_bounded(owner)
-            return "sample_visible_bounded"
+            self._require_bounded(f"{type(self).__name__}.sample_visible")
+            return "sample_visible_bounded", self.visible_dims
         # A shape parameter may bring a closed sampler, which has fewer dimensions and no mixture.
-        mixes = any(
-            hasattr(self.kernels, f"{shape}_sample_visible_mixture") for shape in ("isotropic", "stretched")
-        )
-        closed = self.visible_dims < self.kernels.visible_dims
-        return "sample_visible_mixture" if scheme == "mixture" and mixes and not closed else "sample_visible"
+        if scheme == "mixture" and self.mixture_dims != self.visible_dims:
+            return "sample_visible_mixture", self.mixture_dims
+        return "sample_visible", self.visible_dims
 
     def _require_bounded(self, owner: str) -> None:
         if not hasattr(self.kernels, "stretched_sample_visible_bounded"):

@@ -2,7 +2,7 @@
 
 `fresnel.py` is one smooth interface, `kernels.py` what the compiled core is given (shapes, seeds),
 `material.py` what all materials offer, `conductor.py`, `dielectric.py` and `diffuse.py` the materials. What
-they scatter the core computes; `albedo.py` sums it up (`quadrature.py`, over the regions of `slopes.py`), and
+they scatter the core computes; `albedo.py` sums it up (`quadrature.py`, over the regions of `panels.py`), and
 `compensation.py` adds what is missing of single scattering.
 """
 

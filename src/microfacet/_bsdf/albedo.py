@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import MaterialKernels
+from microfacet._bsdf.arguments import directions_of
+from microfacet._bsdf.kernels import WALK, MaterialKernels
 from microfacet._bsdf.quadrature import leaving
 
 __all__ = ["albedo", "average_albedo"]
@@ -21,12 +22,12 @@ _WALKS = 1 << 18  # at a time
 
 
 def albedo(
-    material: MaterialKernels, wi: ArrayLike, n: int, seed: float, part: str, with_error: bool
+    material: MaterialKernels, wi: ArrayLike, n: int, seed: Array, part: str, with_error: bool
 ) -> Any | tuple[Any, Any]:
     """What `Material.albedo` says."""
     owner = f"{type(material).__name__}.albedo"
     _check(owner, part)
-    given = material._directions("albedo", wi=wi)
+    given = directions_of(material, "albedo", wi=wi)
     walks = 0 if _in_closed_form(material) else _count(owner, n)
     if walks:
         given.append(numbered(*given))
@@ -35,7 +36,7 @@ def albedo(
 
 
 def _albedo(
-    material: MaterialKernels, walks: int, seed: float, part: str, wi: Array, *numbers: Array
+    material: MaterialKernels, walks: int, seed: Array, part: str, wi: Array, *numbers: Array
 ) -> tuple[Any, Any]:
     """Values and errors of NumPy arrays; of walks also by the number of each direction."""
     directions = material._units(wi.astype(np.float64))[0].reshape(-1, 3)
@@ -48,7 +49,7 @@ def _albedo(
 
 
 def average_albedo(
-    material: MaterialKernels, n: int, seed: float, side: str, part: str, with_error: bool
+    material: MaterialKernels, n: int, seed: Array, side: str, part: str, with_error: bool
 ) -> Any | tuple[Any, Any]:
     """What `Material.average_albedo` says."""
     owner = f"{type(material).__name__}.average_albedo"
@@ -119,7 +120,7 @@ def _average_by_quadrature(material: MaterialKernels, up: float, part: str) -> t
 
 
 def _by_walks(
-    material: MaterialKernels, wi: Array, numbers: Array, n: int, seed: float, part: str
+    material: MaterialKernels, wi: Array, numbers: Array, n: int, seed: Array, part: str
 ) -> tuple[Array, Array]:
     """Means over `n` walks of each direction: walk k of direction i is one and the same whatever n is."""
     channels = int(np.prod(material._channels, dtype=np.int64))
@@ -138,7 +139,7 @@ def _by_walks(
 
 
 def _average_by_walks(
-    material: MaterialKernels, n: int, seed: float, up: float, part: str
+    material: MaterialKernels, n: int, seed: Array, up: float, part: str
 ) -> tuple[Array, Array]:
     """Walks from directions drawn from cos/pi."""
     sums, squares = np.zeros((2, int(np.prod(material._channels, dtype=np.int64))))
@@ -154,10 +155,10 @@ def _average_by_walks(
     return _mean(sums, squares, n)
 
 
-def _weights(material: MaterialKernels, wi: Array, seed: float, elements: Array, part: str) -> Array:
+def _weights(material: MaterialKernels, wi: Array, seed: Array, elements: Array, part: str) -> Array:
     """What walks leave of the light, (..., channels), as far as it goes to the wanted side."""
     parts = [wi[..., 0], wi[..., 1], wi[..., 2]]
-    wo, weight, facets = material._of("walk", parts, (elements, seed, material._radiance))
+    wo, weight, facets = material._of("walk", parts, [elements, seed, material._radiance], WALK)
     if part != "all":
         side = wo[..., 2] * wi[(..., 2, *(np.newaxis,) * len(material._channels))]
         weight = np.where(side > 0 if part == "reflected" else side < 0, weight, 0 * weight)

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet._arrays import lifted
+from microfacet._bsdf.arguments import directions_of, uniforms_of
 from microfacet._bsdf.conductor import Conductor
 from microfacet._bsdf.fresnel import fresnel_average, fresnel_conductor
-from microfacet._bsdf.kernels import directions_of, uniforms_of
 from microfacet._calls import constructor
 from microfacet._frozen import Distribution
 from microfacet._value import Value
@@ -114,22 +114,21 @@ class _Compensated(Value):
 
     def eval(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """f |cos theta_o|, shape (..., *channels), as `Conductor.eval`."""
-        return lifted(self._eval, *directions_of(f"{type(self).__name__}.eval", wi=wi, wo=wo))
+        return lifted(self._eval, *directions_of(self, "eval", wi=wi, wo=wo))
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """Density per steradian of the directions that `sample` draws."""
-        return lifted(self._pdf, *directions_of(f"{type(self).__name__}.pdf", wi=wi, wo=wo))
+        return lifted(self._pdf, *directions_of(self, "pdf", wi=wi, wo=wo))
 
     def sample(self, wi: ArrayLike, xi: ArrayLike) -> tuple[Any, Any, Any]:
         """Directions, weights and densities; xi (..., `sample_dims`), the last of which chooses the lobe."""
-        owner = f"{type(self).__name__}.sample"
-        given = (*directions_of(owner, wi=wi), uniforms_of(owner, xi, self.sample_dims))
+        given = (*directions_of(self, "sample", wi=wi), uniforms_of(self, "sample", xi, self.sample_dims))
         wo, weight, pdf = lifted(self._sample, *given, results=("w", "", ""))
         return wo, weight, pdf
 
     def albedo(self, wi: ArrayLike) -> Any:
         """Part of the light from `wi` that leaves again."""
-        return lifted(self._albedo, *directions_of(f"{type(self).__name__}.albedo", wi=wi))
+        return lifted(self._albedo, *directions_of(self, "albedo", wi=wi))
 
     @property
     def sample_dims(self) -> int:

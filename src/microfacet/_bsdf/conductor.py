@@ -9,7 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, in_one_type, lit, number, seed_of, uniforms_of, xyz
+from microfacet._bsdf.arguments import (
+    Array,
+    directions_of,
+    flag,
+    in_one_type,
+    lit,
+    number,
+    seed_of,
+    uniforms_of,
+    xyz,
+)
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -113,13 +123,11 @@ class Conductor(Material):
         then this is 3/4 of that density and 1/4 of that of a diffuse surface, a proposal for multiple
         importance sampling.
         """
-        return lifted(partial(self._pdf, bounded=bounded), *self._directions("pdf", wi=wi, wo=wo))
+        return lifted(partial(self._pdf, bounded=bounded), *directions_of(self, "pdf", wi=wi, wo=wo))
 
     def _pdf(self, wi: Array, wo: Array, bounded: bool = False) -> Any:
         i, o = in_one_type(wi, wo)
-        density = self._of(
-            "pdf", [*xyz(i), *xyz(o)], (float(bounded),), (np.asarray(np.inf), np.asarray(0.0))
-        )
+        density = self._of("pdf", [*xyz(i), *xyz(o)], [flag(bounded)], white=True)
         if self.scattering == "multiple":
             diffuse = lit(*self._units(i, o)) * i.dtype.type(1 / np.pi)
             return (0.75 * density + 0.25 * diffuse).astype(i.dtype)[()]
@@ -149,7 +157,7 @@ class Conductor(Material):
         pdf : ndarray, shape (...)
             What `pdf` says.
         """
-        given = self._directions("sample", wi=wi)
+        given = directions_of(self, "sample", wi=wi)
         if self.scattering == "multiple":
             draw = partial(self._sample_walk, seed_of("Conductor", rng))
             wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
@@ -159,7 +167,7 @@ class Conductor(Material):
         wo, weight, pdf = lifted(
             partial(self._sample, bounded),
             *given,
-            uniforms_of("Conductor.sample", xi, self.sample_dims),
+            uniforms_of(self, "sample", xi, self.sample_dims),
             results=("w", "", ""),
         )
         return wo, weight, pdf
@@ -167,7 +175,7 @@ class Conductor(Material):
     def _sample(self, bounded: bool, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
         (i,) = in_one_type(wi)
         values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
-        wo, weight, pdf = self._of("sample", values, (float(self.correlated), 0.0, float(bounded)))
+        wo, weight, pdf = self._of("sample", values, [flag(self.correlated), flag(False), flag(bounded)])
         for _ in self._channels:  # which share their directions
             wo, pdf = wo[..., 0, :], pdf[..., 0]
         return wo, weight, pdf

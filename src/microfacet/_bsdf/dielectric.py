@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, in_one_type, number, seed_of, uniforms_of, xyz
+from microfacet._bsdf.arguments import (
+    Array,
+    directions_of,
+    flag,
+    in_one_type,
+    number,
+    seed_of,
+    uniforms_of,
+    xyz,
+)
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -106,8 +115,8 @@ class Dielectric(Material):
         )
 
     @property
-    def _radiance(self) -> float:
-        return float(self.mode == "radiance")
+    def _radiance(self) -> Array:
+        return flag(self.mode == "radiance")
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """Density per steradian of the directions that `sample` draws, normalised over the whole sphere.
@@ -115,11 +124,11 @@ class Dielectric(Material):
         It counts what facets mirror downwards or refract upwards too, though no light leaves so at once.
         With multiple scattering, 3/4 of that density and 1/4 of a cosine on both sides, a proposal.
         """
-        return lifted(self._pdf, *self._directions("pdf", wi=wi, wo=wo))
+        return lifted(self._pdf, *directions_of(self, "pdf", wi=wi, wo=wo))
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
         i, o = in_one_type(wi, wo)
-        density = self._of("pdf", [*xyz(i), *xyz(o)], (0.0,))
+        density = self._of("pdf", [*xyz(i), *xyz(o)], [flag(False)])
         if self.scattering == "multiple":
             cosine = np.abs(self._units(o)[0][..., 2]) * i.dtype.type(0.5 / np.pi)
             return (0.75 * density + 0.25 * cosine).astype(i.dtype)[()]
@@ -130,7 +139,7 @@ class Dielectric(Material):
 
         The last of the uniform numbers chooses between reflection and transmission.
         """
-        given = self._directions("sample", wi=wi)
+        given = directions_of(self, "sample", wi=wi)
         if self.scattering == "multiple":
             draw = partial(self._sample_walk, seed_of("Dielectric", rng))
             wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
@@ -138,7 +147,7 @@ class Dielectric(Material):
         wo, weight, pdf = lifted(
             self._sample,
             *given,
-            uniforms_of("Dielectric.sample", xi, self.sample_dims),
+            uniforms_of(self, "sample", xi, self.sample_dims),
             results=("w", "", ""),
         )
         return wo, weight, pdf
@@ -146,5 +155,5 @@ class Dielectric(Material):
     def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
         (i,) = in_one_type(wi)
         values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
-        wo, weight, pdf = self._of("sample", values, (float(self.correlated), self._radiance, 0.0))
+        wo, weight, pdf = self._of("sample", values, [flag(self.correlated), self._radiance, flag(False)])
         return wo, weight, pdf

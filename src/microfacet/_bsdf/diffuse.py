@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.kernels import Array, lit, number, seed_of
+from microfacet._bsdf.arguments import Array, directions_of, lit, number, seed_of
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -76,7 +76,7 @@ class Diffuse(Material):
 
     def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Any:
         """Density per steradian of a proposal for `wo`: that of a diffuse surface, cos/pi."""
-        return lifted(self._pdf, *self._directions("pdf", wi=wi, wo=wo))
+        return lifted(self._pdf, *directions_of(self, "pdf", wi=wi, wo=wo))
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
         i, o = self._units(wi, wo)
@@ -89,7 +89,7 @@ class Diffuse(Material):
         """
         if xi is not None:
             raise ValueError("Diffuse.sample: a walk takes rng, not xi")
-        given = self._directions("sample", wi=wi)
+        given = directions_of(self, "sample", wi=wi)
         draw = partial(self._sample_walk, seed_of("Diffuse", rng))
         wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
         return wo, weight, pdf

@@ -1,64 +1,90 @@
-"""What the kernels of a material are given: unit directions, uniform numbers, constants, seeds of walks."""
+"""Calls of the kernels of a material: one for every channel, on threads where there is enough to do."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from microfacet._arrays import Argument, as_array
+from microfacet._bsdf.arguments import flag, in_one_type, in_range, narrowed, xyz
 from microfacet._calls import constructor
 from microfacet._frozen import Distribution
+from microfacet._threads import WORTH_THREADS, blocks, in_threads
 from microfacet._value import Value
 
-__all__ = [
-    "NO_ORDER",
-    "MaterialKernels",
-    "directions_of",
-    "in_one_type",
-    "lit",
-    "number",
-    "seed_of",
-    "uniforms_of",
-    "xyz",
-]
+__all__ = ["NO_ORDER", "WALK", "MaterialKernels"]
 
 Array = NDArray[Any]
 NO_ORDER = float(2**31)
+WALK = 8.0  # the cost of a walk, in evaluations of a closed form
+_WHITE = (np.array(np.inf), np.array(0.0))
 
 
-def number(owner: str, name: str, value: object, allowed: str, valid: Any) -> Array:
-    """`value` as float64, one number or an array of them, or one sentence that says what is wrong."""
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "iuf":
-            raise TypeError
-    except (TypeError, ValueError):
-        raise ValueError(f"{owner}: {name} must be a number {allowed}, got {value!r}") from None
-    array = array.astype(np.float64)
-    bad = ~valid(array)
-    if bad.any():
-        raise ValueError(f"{owner}: {name} must lie {allowed}, got {array[bad].flat[0]:g}")
-    array.flags.writeable = False
-    return array
+class _Call(NamedTuple):
+    """A kernel, and what it takes beside directions, uniform numbers and options."""
+
+    kernel: Any
+    channels: tuple[int, ...]
+    constants: tuple[Array, ...]  # of the shape of the channels
+    parameters: tuple[Array, ...]
+
+    def results(self, shape: tuple[int, ...], dtype: np.dtype[Any]) -> list[Array]:
+        """New arrays for its results, the first three of which are one direction where there are several."""
+        several = self.kernel.nout > 2
+        first = np.empty((*shape, 3) if several else shape, dtype)
+        return [first, *(np.empty(shape, dtype) for _ in range(self.kernel.nout - (3 if several else 1)))]
 
 
-def in_one_type(*directions: Array) -> list[Array]:
-    """float64 unless all are float32."""
-    single = all(array.dtype == np.float32 for array in directions)
-    return [np.asarray(array, np.float32 if single else np.float64) for array in directions]
+def _flat(arrays: list[Array], shape: tuple[int, ...]) -> list[Array]:
+    return [array if array.ndim == 0 else np.broadcast_to(array, shape).reshape(-1) for array in arrays]
+
+
+def _column(array: Array) -> Array:
+    return array if array.ndim == 0 else array.reshape(-1, 1)
+
+
+def _of_channels(call: _Call, values: list[Array], wide: list[Array], count: int, cost: float) -> list[Array]:
+    """Results of shape (count, channels).
+
+    Each run of a kernel's loop prepares the distribution: it runs over the elements for one channel after
+    the other, or over the channels where these are more.
+    """
+    channels, dtype = math.prod(call.channels), values[0].dtype
+    if count < channels:
+        outs = call.results((count, channels), dtype)
+        given = [*map(_column, values), *(constant.reshape(-1) for constant in call.constants)]
+        _run(call, [*given, *map(_column, wide)], outs, 0.0)
+        return outs
+    outs = call.results((channels, count), dtype)
+    _run(call, [*values, *map(_column, call.constants), *wide], outs, count * channels * cost)
+    return [np.moveaxis(out, 0, 1) for out in outs]
+
+
+def _run(call: _Call, given: list[Array], outs: list[Array], work: float) -> None:
+    """Fill `outs`, along whose last axis the elements lie, on threads where there is enough `work`."""
+    into = outs if call.kernel.nout < 3 else [*xyz(outs[0]), *outs[1:]]
+    arguments = [*given, *call.parameters, *into]
+
+    def part(elements: slice) -> None:
+        call.kernel(*(x if x.ndim == 0 or x.shape[-1] == 1 else x[..., elements] for x in arguments))
+
+    if work < WORTH_THREADS:
+        call.kernel(*arguments)
+    else:
+        in_threads(part, blocks(into[0].shape[-1]))
 
 
 class MaterialKernels(Value):
     """A distribution and optical constants, and calls of their kernels."""
 
-    __slots__ = ("_constants", "ndf", "scattering")
+    __slots__ = ("_calls", "_constants", "ndf", "scattering")
 
     ndf: Distribution
     scattering: str
     _constants: tuple[Array, ...]  # of the material, as the kernels take them
+    _calls: dict[tuple[str, np.dtype[Any], bool], _Call]  # those that were made
     _name: str
     _transmits = False
     _closed = True  # whether scattering of one order has a closed form
@@ -87,81 +113,78 @@ class MaterialKernels(Value):
         raise NotImplementedError
 
     @property
-    def _radiance(self) -> float:
+    def _radiance(self) -> Array:
         """1 where light that passes is scaled as radiance is."""
-        return 0.0
+        return flag(False)
 
     @property
     def sample_dims(self) -> int:
         """How many uniform numbers a sample of single scattering takes."""
         return self.ndf.visible_dims + (1 if self._transmits else 0)
 
-    def _kernel(self, operation: str) -> Any:
-        return getattr(self.ndf.kernels, f"{self._name}_{operation}")
-
-    def _directions(self, method: str, **directions: ArrayLike) -> list[Argument]:
-        return directions_of(f"{type(self).__name__}.{method}", **directions)
-
     def _units(self, *directions: Array) -> list[Array]:
         """Of unit length, as the kernels make all directions: where Python itself looks at cosines."""
         found = []
         for w in in_one_type(*directions):
             found.append(np.empty(w.shape, w.dtype))
-            self.ndf.kernels.unit_direction(*xyz(w), *self.ndf._values, out=tuple(xyz(found[-1])))
+            self.ndf.kernels.unit_direction(*xyz(w), *self.ndf._values, *xyz(found[-1]))
         return found
 
     @property
     def _channels(self) -> tuple[int, ...]:
         return np.broadcast_shapes(*(constant.shape for constant in self._constants))
 
+    def _keep(self, **state: Any) -> Self:
+        object.__setattr__(self, "_calls", {})
+        return super()._keep(**state)
+
+    def _state(self) -> dict[str, Any]:
+        return {name: part for name, part in super()._state().items() if name != "_calls"}
+
+    def _call(self, operation: str, dtype: np.dtype[Any], white: bool) -> _Call:
+        """The call of a kernel, made at its first use with a type; a `white` one is of a perfect mirror."""
+        key = operation, dtype, white
+        call = self._calls.get(key)
+        if call is None:
+            constants = _WHITE if white else self._constants
+            channels = np.broadcast_shapes(*(constant.shape for constant in constants))
+            call = self._calls[key] = _Call(
+                getattr(self.ndf.kernels, f"{self._name}_{operation}"),
+                channels,
+                tuple(np.broadcast_to(in_range(constant, dtype), channels) for constant in constants),
+                tuple(map(np.array, self.ndf._values)),
+            )
+        return call
+
     def _of(
-        self,
-        operation: str,
-        values: list[Array],
-        wide: tuple[Any, ...],
-        constants: tuple[Array, ...] | None = None,
+        self, operation: str, values: list[Array], wide: list[Array], cost: float = 1.0, white: bool = False
     ) -> Any:
-        """A kernel at values (...), for every channel of the material: (..., *channels).
+        """A kernel at `values` (...), for every channel of the material: (..., *channels).
 
-        Of a kernel with several results the first three are a direction: (..., *channels, 3). Each run of its
-        loop prepares the distribution: it runs over the elements for one channel after the other, or over the
-        channels where these are more.
+        The first three results of a kernel that has several are a direction: (..., *channels, 3). `values`
+        have one type, `wide` are float64 always. `cost` is that of an element, in evaluations of a closed
+        form.
         """
-        constants = self._constants if constants is None else constants
-        channels = np.broadcast_shapes(*(constant.shape for constant in constants))
-        shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *wide)))
-        dtype, counts = values[0].dtype, (math.prod(shape), math.prod(channels))
-        over_channels = counts[0] < counts[1]
+        call = self._call(operation, values[0].dtype, white)
+        shape = np.broadcast(*values).shape
+        count = math.prod(shape)
+        if len(shape) > 1:  # views, where directions are contiguous
+            values, wide = _flat(values, shape), _flat(wide, shape)
+        if call.channels:
+            outs = _of_channels(call, values, wide, count, cost)
+        elif call.kernel.nout == 1 and len(shape) < 2 and count * cost < WORTH_THREADS:
+            return call.kernel(*values, *call.constants, *wide, *call.parameters)
+        else:
+            outs = call.results((count,) if shape else (), values[0].dtype)
+            _run(call, [*values, *call.constants, *wide], outs, count * cost)
+        if call.channels or len(shape) > 1:
+            own = outs[-1].ndim  # axes before the components of a direction
+            outs = [out.reshape((*shape, *call.channels, *out.shape[own:])) for out in outs]
+        return outs[0][()] if len(outs) == 1 else tuple([out[()] for out in outs])
 
-        def of_elements(value: Any) -> Any:
-            if np.ndim(value) == 0 and not isinstance(value, np.ndarray):
-                return value
-            flat = np.broadcast_to(value, shape).reshape(-1)
-            return flat[:, np.newaxis] if over_channels else flat
-
-        def of_channels(constant: Array) -> Array:
-            flat = np.broadcast_to(_within(constant, dtype), channels).reshape(-1)
-            return flat if over_channels else flat[:, np.newaxis]
-
-        def result(out: Array, *own: int) -> Any:
-            ordered = out if over_channels else np.moveaxis(out, 0, 1)
-            return ordered.reshape((*shape, *channels, *own))[()]
-
-        kernel, ordered = self._kernel(operation), counts if over_channels else counts[::-1]
-        inputs = (*map(of_elements, values), *map(of_channels, constants), *map(of_elements, wide))
-        outs = [np.empty(ordered, dtype) for _ in range(kernel.nout)]
-        if kernel.nout < 3:
-            kernel(*inputs, *self.ndf._values, out=tuple(outs))
-            return result(outs[0]) if kernel.nout == 1 else tuple(map(result, outs))
-        wo = np.empty((*ordered, 3), dtype)
-        kernel(*inputs, *self.ndf._values, out=(*xyz(wo), *outs[3:]))
-        return result(wo, 3), *map(result, outs[3:])
-
-    def _walk_sample(
-        self, wi: Array, elements: Array, *, seed: float, radiance: float
-    ) -> tuple[Array, Any, Array]:
+    def _walk_sample(self, seed: Array, wi: Array, elements: Array) -> tuple[Array, Any, Array]:
         """Directions out, their weights, and how many facets light met."""
-        wo, weight, order = self._of("walk", xyz(wi), (elements, seed, radiance))
+        wo, weight, order = self._of("walk", xyz(wi), [elements, seed, self._radiance], WALK)
         # Of the channels, which share a walk, the one that went farthest has its end.
         for _ in self._channels:
             last = np.expand_dims(np.argmax(order, axis=-1), -1)
@@ -175,64 +198,3 @@ class MaterialKernels(Value):
         parts = [given[..., k] for k in range(given.shape[-1])]
         choice = parts.pop() if self._transmits else parts[-1]
         return [*parts, *[parts[-1]] * (3 - len(parts)), choice]
-
-
-def directions_of(owner: str, **directions: ArrayLike) -> list[Argument]:
-    """Arrays (..., 3) of real numbers, for `lifted`."""
-    return [(_real(owner, name, given, 3, exactly=True), "w") for name, given in directions.items()]
-
-
-def uniforms_of(owner: str, xi: ArrayLike | None, dims: int) -> Argument:
-    """An array (..., dims) of uniform numbers, of which there may be more, for `lifted`."""
-    if xi is None:
-        raise ValueError(f"{owner}: give xi, of shape (..., {dims})")
-    return _real(owner, "xi", xi, dims, exactly=False)[..., :dims], "xi"
-
-
-def _real(owner: str, name: str, given: ArrayLike, length: int, *, exactly: bool) -> Any:
-    array = as_array(given)
-    last = array.shape[-1] if array.ndim else 0
-    if last < length or (exactly and last != length) or array.dtype.kind not in "iuf":
-        raise ValueError(
-            f"{owner}: {name} must be real numbers of shape (..., {length}), "
-            f"got {array.dtype} of shape {array.shape}"
-        )
-    return array
-
-
-def narrowed(xi: Array, dtype: Any) -> Array:
-    """Uniform numbers in another type, in which those below 1 stay below 1."""
-    result = np.asarray(xi, dtype)
-    if np.can_cast(xi.dtype, dtype):
-        return result
-    rounded = (result == 1) & (xi < 1)
-    return np.where(rounded, np.nextafter(result.dtype.type(1), 0), result) if rounded.any() else result
-
-
-def _within(constant: Array, dtype: Any) -> Array:
-    """An optical constant in the type of a kernel that holds its reciprocal too: beyond, nothing changes."""
-    most = 2.0 ** (np.finfo(dtype).maxexp - 3)
-    inside = (constant > 0) & (constant < np.inf)
-    return np.where(inside, np.clip(constant, 1 / most, most), constant).astype(dtype)
-
-
-def xyz(w: Array) -> list[Array]:
-    return [w[..., 0], w[..., 1], w[..., 2]]
-
-
-def lit(wi: Array, wo: Array) -> Array:
-    """Cosine of `wo` where both are above the surface, else 0; nan for nan."""
-    i, o = wi[..., 2], wo[..., 2]
-    return np.asarray(np.where(i > 0, np.maximum(o, 0), 0) + 0 * (i + o))
-
-
-def seed_of(owner: str, rng: Any) -> float:
-    """A seed that a double holds, from a seed, a generator, or the operating system's entropy."""
-    if isinstance(rng, int | np.integer) and not isinstance(rng, bool):
-        if not 0 <= rng < 2**53:
-            raise ValueError(f"{owner}: a seed must lie in [0, 2**53), got {rng}")
-        return float(rng)
-    try:
-        return float(np.random.default_rng(rng).integers(2**53))
-    except (TypeError, ValueError):
-        raise ValueError(f"{owner}: rng must be a seed or a numpy.random.Generator, got {rng!r}") from None

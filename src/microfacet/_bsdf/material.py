@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from microfacet._arrays import lifted, numbered
 from microfacet._bsdf.albedo import albedo as albedo_of
 from microfacet._bsdf.albedo import average_albedo as average_albedo_of
-from microfacet._bsdf.kernels import NO_ORDER, Array, MaterialKernels, in_one_type, seed_of, xyz
+from microfacet._bsdf.arguments import Array, directions_of, flag, in_one_type, seed_of, xyz
+from microfacet._bsdf.kernels import NO_ORDER, WALK, MaterialKernels
 
 __all__ = ["Material"]
 
@@ -52,23 +53,23 @@ class Material(MaterialKernels):
         -------
         ndarray or scalar, shape (..., *channels)
         """
-        given = self._directions("eval", wi=wi, wo=wo)
+        given = directions_of(self, "eval", wi=wi, wo=wo)
         if self.scattering == "single":
             if self._closed:
                 return lifted(self._eval, *given)
             orders = (max(1, orders[0]), min(1, orders[1]))
         if not (isinstance(n, int | np.integer) and n >= 1):
             raise ValueError(f"{type(self).__name__}.eval: n must be a whole number in [1, inf), got {n!r}")
-        wide = (seed_of(type(self).__name__, rng), self._radiance, float(n), *orders)
+        wide = [seed_of(type(self).__name__, rng), self._radiance, *map(np.array, map(float, (n, *orders)))]
         return lifted(partial(self._walk_eval, wide), *given, numbered(*given))
 
     def _eval(self, wi: Array, wo: Array) -> Any:
         i, o = in_one_type(wi, wo)
-        return self._of("eval", [*xyz(i), *xyz(o)], (float(self.correlated), self._radiance))
+        return self._of("eval", [*xyz(i), *xyz(o)], [flag(self.correlated), self._radiance])
 
-    def _walk_eval(self, wide: tuple[float, ...], wi: Array, wo: Array, elements: Array) -> Any:
+    def _walk_eval(self, wide: list[Array], wi: Array, wo: Array, elements: Array) -> Any:
         i, o = in_one_type(wi, wo)
-        return self._of("walk_eval", [*xyz(i), *xyz(o)], (elements, *wide))
+        return self._of("walk_eval", [*xyz(i), *xyz(o)], [elements, *wide], WALK * float(wide[2]))
 
     def walk(self, wi: ArrayLike, *, rng: Any = None) -> tuple[Any, Any, Any]:
         """Walks from `wi`: directions out, what is left of the light, and how many facets it met.
@@ -94,23 +95,23 @@ class Material(MaterialKernels):
         >>> float(weight)
         1.0
         """
-        given = self._directions("walk", wi=wi)
+        given = directions_of(self, "walk", wi=wi)
         walk = partial(self._walk, seed_of(type(self).__name__, rng))
         wo, weight, facets = lifted(walk, *given, numbered(*given), results=("w", "", ""))
         return wo, weight, facets
 
-    def _sample_walk(self, seed: float, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
+    def _sample_walk(self, seed: Array, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
         """Samples by walks, of which one order alone may count."""
         (i,) = in_one_type(wi)
-        wo, weight, facets = self._walk_sample(i, elements, seed=seed, radiance=self._radiance)
+        wo, weight, facets = self._walk_sample(seed, i, elements)
         if self.scattering == "single":
             once = (facets == 1).reshape(facets.shape + (1,) * len(self._channels))
             weight = np.where(once, weight, 0 * weight)
         return wo, weight, self._pdf(i, wo)
 
-    def _walk(self, seed: float, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
+    def _walk(self, seed: Array, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
         (i,) = in_one_type(wi)
-        return self._walk_sample(i, elements, seed=seed, radiance=self._radiance)
+        return self._walk_sample(seed, i, elements)
 
     def albedo(
         self, wi: ArrayLike, *, n: int = 10_000, rng: Any = None, part: str = "all", with_error: bool = False

@@ -1,18 +1,21 @@
 """Light that leaves after one facet, as an integral over the facets' slopes.
 
-A sum over directions would have to find the lobe; the normals are where the distribution says. `slopes.py`
+A sum over directions would have to find the lobe; the normals are where the distribution says. `panels.py`
 cuts their plane into pieces in which the integrand is smooth, and Gauss's rule does the rest.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet._bsdf.arguments import flag
 from microfacet._bsdf.kernels import MaterialKernels
-from microfacet._bsdf.slopes import Panels, panels
+from microfacet._bsdf.panels import Panels, panels
+from microfacet._threads import in_threads
 
 __all__ = ["Leaving", "leaving"]
 
@@ -40,9 +43,10 @@ def leaving(material: MaterialKernels, wi: Array) -> Leaving:
     open_ = np.arange(len(wi))
     for level in range(_LEVELS):
         size = max(1, _DIRECTIONS >> level)
-        for first in range(0, len(open_), size):
-            some = open_[first : first + size]
-            finer = _level(material, wi[some], level, channels)
+        groups = [open_[first : first + size] for first in range(0, len(open_), size)]
+        finer_level = partial(_level, material, level=level, channels=channels)
+        results = in_threads(finer_level, [wi[some] for some in groups])
+        for some, finer in zip(groups, results, strict=True):
             if level > 0:
                 error[some] = np.abs(finer - found[some]).max(axis=1)
             found[some] = finer
@@ -60,9 +64,9 @@ def _level(material: MaterialKernels, wi: Array, level: int, channels: int) -> A
     for passes in (False, True) if material._transmits else (False,):
         pieces = panels(material.ndf, above, critical, passes, level)
         size = max(1, _NODES // (len(nodes) * channels))
-        for first in range(0, len(pieces.weight), size):
-            part = pieces.cut(first, first + size)
-            sums = _integrate(material, wi, part, passes, nodes, weights)
+        parts = [pieces.cut(first, first + size) for first in range(0, len(pieces.weight), size)]
+        integrate = partial(_integrate, material, wi, passes=passes, nodes=nodes, weights=weights)
+        for part, sums in zip(parts, in_threads(integrate, parts), strict=True):
             for channel in range(channels):
                 result[:, int(passes), channel] += np.bincount(part.direction, sums[:, channel], len(wi))
     return result
@@ -90,7 +94,7 @@ def _integrate(
     p, q = pieces.along_x[:, np.newaxis] * r, pieces.along_y[:, np.newaxis] * r
     z = 1 / np.sqrt(1 + p * p + q * q)
     directions = [np.broadcast_to(w[pieces.direction, np.newaxis], r.shape) for w in wi.T]
-    correlated = float(getattr(material, "correlated", True))
-    light = material._of("facets", [*directions, -p * z, -q * z, z], (correlated,))[int(passes)]
+    correlated = flag(getattr(material, "correlated", True))
+    light = material._of("facets", [*directions, -p * z, -q * z, z], [correlated])[int(passes)]
     measure = jacobian * width * r * r * z**3 * pieces.weight[:, np.newaxis]  # dm = z^3 dp dq
     return np.asarray(np.einsum("ij,ijc->ic", measure, light.reshape(*r.shape, -1)))
