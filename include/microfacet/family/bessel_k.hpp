@@ -13,6 +13,7 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/approx/iterate.hpp"
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
@@ -55,33 +56,27 @@ class bessel_k {
   T radius2(const T& xi) const { return square(radius(xi)); }
   // Newton's method: below the median on log(1 - survival) against log y, above on log(survival) against y.
   T radius(const T& xi_argument) const {
-    constexpr int most = 80;
     // Powers of its square root stay normal, and its quotient by a; less is a power of the slope for a > 2.
     const auto smooth = a_ > T(2);
     const T xi = maximum(xi_argument, select(smooth, T(least_smooth), T(T(4096) * smallest<T>())));
     const auto lower = xi < T(0.5);
     const T target = log(select(lower, xi, T(T(1) - xi)));
-    T y = T(0.8) * sqrt(a_);
-    auto moving = y == y;  // a lane that has converged stays, so that a batch gives what a scalar gives
-    for (int i = 0; i < most; ++i) {
-      const bessel::neighbours<T> k = bessel::orders(a_, double_double<T>(y));
+    const T start = T(0.8) * sqrt(a_);
+    const T y = iterate(80, start, start == start, [&](const T& now) {
+      const bessel::neighbours<T> k = bessel::orders(a_, double_double<T>(now));
       const T next = select_lazy(
           lower,
           [&] {
-            const T cdf = bessel::complement(a_, y, k), slope = T(2) * a_ * (k.below * k.decay * k.decay);
-            return T(y * exp(minimum(maximum(T((target - log(cdf)) * cdf / slope), T(-30)), T(1))));
+            const T cdf = bessel::complement(a_, now, k), slope = T(2) * a_ * (k.below * k.decay * k.decay);
+            return T(now * exp(minimum(maximum(T((target - log(cdf)) * cdf / slope), T(-30)), T(1))));
           },
           [&] {
-            const T change = (log(a_ * k.at) + k.exponent - target) * y * k.at / (T(2) * k.below);
-            return T(y + maximum(change, T(T(-0.5) * y)));
+            const T change = (log(a_ * k.at) + k.exponent - target) * now * k.at / (T(2) * k.below);
+            return T(now + maximum(change, T(T(-0.5) * now)));
           });
       const T bounded = maximum(next, bessel::least_argument<T>());
-      const auto unsettled =
-          abs(bounded - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
-      y = select(moving, bounded, y);
-      moving = moving & unsettled;
-      if (!any_lane(moving)) break;
-    }
+      return iteration{bounded, abs(bounded - now) > T(single ? 1e-4 : 1e-9) * now};
+    });
     const T less = select(smooth, T(sqrt(xi_argument) / sqrt(xi)), T(1));
     return select(xi_argument == T(0), zero_or_nan(), select(xi == T(1), infinite<T>(), T(y * less)));
   }
@@ -110,8 +105,8 @@ class bessel_k {
     return select(y.high == T(0), select(finite, at_normal, T(at_normal * infinite<T>())), value);
   }
 
-  static constexpr double least_shape = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-30 : 1e-300;
-  static constexpr double least_smooth = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-20 : 1e-190;
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+  static constexpr double least_shape = single ? 1e-30 : 1e-300, least_smooth = single ? 1e-20 : 1e-190;
 
   T a_;
 };

@@ -13,6 +13,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "microfacet/approx/iterate.hpp"
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/polynomial.hpp"
@@ -101,29 +102,24 @@ class k0 {
   T radius2(const T& xi) const { return square(radius(xi)); }
   // Newton's method: near the normal on log(1 - survival) against log y, beyond on log(survival) against y.
   T radius(const T& xi_argument) const {
-    constexpr int most = 40;
+    constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
     const T xi = maximum(xi_argument, T(T(0x1p40) * smallest<T>()));  // y^2 keeps its digits
     const T rest = T(1) - xi;
     const auto lower = xi < T(0.3);
     const T target = log(select(lower, xi, rest));
     T y = select(lower, T(sqrt(xi / (T(1) - T(0.5) * log(xi)))), T(T(0.25) - T(0.55) * log(rest)));
-    auto moving = y == y;  // a lane that has converged stays, so that its neighbours do not change it
-    for (int i = 0; i < most; ++i) {
-      const detail::k0_functions<T> at(y, T(y * y));
-      const auto inner = y < T(0.5625);
-      const T slope = T(2) * y * at.density();
+    y = iterate(40, y, y == y, [&](const T& now) {
+      const detail::k0_functions<T> at(now, T(now * now));
+      const auto inner = now < T(0.5625);
+      const T slope = T(2) * now * at.density();
       const T within = select_lazy(inner, [&] { return at.within(); }, [&] { return T(T(1) - at.beyond()); });
       const T beyond = select_lazy(inner, [&] { return T(T(1) - at.within()); }, [&] { return at.beyond(); });
-      const T left = (target - log(within)) * within / (y * slope);
+      const T left = (target - log(within)) * within / (now * slope);
       const T right = (log(beyond) - target) * beyond / slope;
-      const T next = select(lower, T(y * exp(minimum(maximum(left, T(-30)), T(1)))),
-                            T(y + maximum(right, T(T(-0.5) * y))));
-      const auto unsettled =
-          abs(next - y) > T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-4 : 1e-9) * y;
-      y = select(moving, next, y);
-      moving = moving & unsettled;
-      if (!any_lane(moving)) break;
-    }
+      const T next = select(lower, T(now * exp(minimum(maximum(left, T(-30)), T(1)))),
+                            T(now + maximum(right, T(T(-0.5) * now))));
+      return iteration{next, abs(next - now) > T(single ? 1e-4 : 1e-9) * now};
+    });
     const auto tiny = (xi_argument < xi) & (xi_argument > T(0));
     return select_lazy(
         tiny, [&] { return radius_of_tiny(T(select(tiny, xi_argument, xi))); },

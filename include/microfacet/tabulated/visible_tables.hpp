@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 
+#include "microfacet/approx/iterate.hpp"
 #include "microfacet/approx/piecewise.hpp"
 #include "microfacet/approx/piecewise_fit.hpp"
 #include "microfacet/core/math.hpp"
@@ -33,51 +34,43 @@ class visible_samples {
   [[gnu::noinline]] R moment(const R& t) const {
     return family_.slope_excess(slope<R>(t)) + t * family_.slope_sf(slope<R>(t));
   }
-  // Newton's method on logarithms; a lane that has converged stays, whatever its neighbours do.
+  // Each by Newton's method on logarithms.
   R moment_radius(const R& L) const {
     const R odds = elementary::exp(L), target = log(all_) - log(R(1) + odds);
-    R y = R(0.5) * (log(R(2) * all_ / maximum(P2(R(sqrt(all_))), R(1e-3))) + log(log1p(odds)));
-    auto moving = y == y;
-    for (int i = 0; i < 60; ++i) {
+    const R start = R(0.5) * (log(R(2) * all_ / maximum(P2(R(sqrt(all_))), R(1e-3))) + log(log1p(odds)));
+    return solve(start, 1e-12, [&](const R& y) {
       const R t = elementary::exp(y), m = moment(t);
-      const R change = (log(m) - target) * m / maximum(R(t * t * P2(t)), R(1e-300));
-      y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
-      moving = moving & (abs(change) > R(1e-12));
-      if (!any_lane(moving)) break;
-    }
-    return elementary::exp(y);
+      return R((log(m) - target) * m / maximum(R(t * t * P2(t)), R(1e-300)));
+    });
   }
   R excess_radius(const R& L) const {
-    R y = minimum(R(L + log(all_)), R(R(0.5) * log(log1p(exp(minimum(L, R(600)))))));
-    auto moving = y == y;
-    for (int i = 0; i < 60; ++i) {
-      const R t = elementary::exp(y), J = family_.slope_excess(slope<R>(t));
-      const R change = (y - log(maximum(J, R(1e-300))) - L) /
-                       (R(1) + t * family_.slope_sf(slope<R>(t)) / maximum(J, R(1e-300)));
-      y = select(moving, R(y - minimum(maximum(change, R(-1)), R(1))), y);
-      moving = moving & (abs(change) > R(1e-12));
-      if (!any_lane(moving)) break;
-    }
-    return elementary::exp(y);
+    const R start = minimum(R(L + log(all_)), R(R(0.5) * log(log1p(exp(minimum(L, R(600)))))));
+    return solve(start, 1e-12, [&](const R& y) {
+      const R t = elementary::exp(y), J = maximum(family_.slope_excess(slope<R>(t)), R(1e-300));
+      return R((L + log(J) - y) / (R(1) + t * family_.slope_sf(slope<R>(t)) / J));
+    });
   }
   R marginal_radius(const R& L) const {
     const R target = -log(elementary::exp(L) + inverse_peak_), h(1e-4);
-    R y = log(R(2) * all_);
-    auto moving = y == y;
-    for (int i = 0; i < 80; ++i) {
+    return solve(R(log(R(2) * all_)), 1e-11, [&](const R& y) {
       const R value = log(P2(elementary::exp(y))), slope = (value - log(P2(elementary::exp(R(y + h))))) / h;
-      const R change = (value - target) / maximum(slope, R(1e-6));
-      y = select(moving, R(y + minimum(maximum(change, R(-1)), R(1))), y);
-      moving = moving & (abs(change) > R(1e-11));
-      if (!any_lane(moving)) break;
-    }
-    return elementary::exp(y);
+      return R((value - target) / maximum(slope, R(1e-6)));
+    });
   }
   double all() const { return number(all_); }
   double inverse_peak() const { return number(inverse_peak_); }
   double at(double t) const { return number(P2(R(t))); }
 
  private:
+  // exp(y) where change(y), the step that Newton's method proposes, is next to nothing.
+  template <class Change>
+  static R solve(const R& start, double settled, const Change& change) {
+    const R y = iterate(80, start, start == start, [&](const R& now) {
+      const R step = change(now);
+      return iteration{R(now + minimum(maximum(step, R(-1)), R(1))), abs(step) > R(settled)};
+    });
+    return elementary::exp(y);
+  }
   static double number(const R& r) {
     double x;
     std::memcpy(&x, &r, sizeof x);
