@@ -45,8 +45,8 @@ PyObject* visible_dims() {
 
 template <class Family>
 PyObject* mixture_dims() {
-  if constexpr (requires { Family::mixture_dimensions; }) return PyLong_FromLong(Family::mixture_dimensions);
-  return visible_dims<Family>();
+  if constexpr (samples_visible<Family>) return PyLong_FromLong(Family::mixture_dimensions);
+  return PyLong_FromLong(0);
 }
 
 // Materials are drawn by visible normals.

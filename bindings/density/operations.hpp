@@ -121,7 +121,7 @@ bool add_visible_operations(PyObject* space, const char* prefix) {
   using family = typename Model::family;
   if constexpr (samples_visible<family> && family::shape_invariant == (Model::scales == 2)) {
     if (!add_all<Model, true, visible_sample>(space, prefix)) return false;
-    if constexpr (requires { family::mixture_dimensions; }) {
+    if constexpr (!closed_visible_sampling<family>) {
       if (!add_all<Model, true, visible_sample_of_mixture>(space, prefix)) return false;
     }
     if constexpr (requires { &family::bounded_facet; }) {

@@ -26,7 +26,8 @@ struct kernels_for_materials {
       case quantity::visible:
         return of<visible_sample>();
       case quantity::visible_of_mixture:
-        if constexpr (requires { family::mixture_dimensions; }) return of<visible_sample_of_mixture>();
+        if constexpr (samples_visible<family> && !closed_visible_sampling<family>)
+          return of<visible_sample_of_mixture>();
         break;
       case quantity::visible_bounded:
         if constexpr (requires { &family::bounded_facet; }) return of<bounded_sample>();

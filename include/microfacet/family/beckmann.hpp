@@ -24,23 +24,21 @@ namespace detail {
 // Made when a program that draws from it starts, so that no thread waits for another's first call.
 template <class Family>
 inline const visible_table<float> beckmann_excess_radius = excess_radius_table(Family());
+template <class T>
+inline constexpr bool reads_excess_table =
+    elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 4;
 }  // namespace detail
 
 template <class T>
-class beckmann {
+class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_excess | part::tail_quotients |
+                                               part::quantile_across | part::mixture_sampling |
+                                               (detail::reads_excess_table<T> ? part::excess_quantile : 0U)> {
  public:
-  using scalar = T;
   static constexpr std::string_view name = "beckmann";
-  static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
                                                            "deon2020hitchhiker"};
-  static constexpr bool shape_invariant = true;
-  static constexpr bool float32_arithmetic = true;
-  static constexpr unsigned tabulate = 0;
-
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
 
-  T zero_or_nan() const { return T(0); }
   T P22(const double_double<T>& r2) const { return exp(-r2) * T(1 / pi); }
   MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
     // Where 1/z^2 would overflow, D is zero.
@@ -99,13 +97,11 @@ class beckmann {
     return {d * mass, d * d * moment};
   }
   // The slope across the plane of incidence is independent of that in it.
-  static constexpr int visible_dimensions = 2;
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
   // For smith/visible/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
-  static constexpr int mixture_dimensions = 3;
   bool samples_from_tables() const { return true; }
   T excess_radius(const T& v) const
-    requires(elementary::has_lanes<T> && single)
+    requires detail::reads_excess_table<T>
   {
     return detail::beckmann_excess_radius<beckmann<double>>(double_double<T>(v));
   }
@@ -120,6 +116,6 @@ class beckmann {
   }
 };
 
-static_assert(radial_family<beckmann<double>>);
+static_assert(radial_family<beckmann<float>> && radial_family<beckmann<double>>);
 
 }  // namespace microfacet

@@ -25,16 +25,13 @@
 namespace microfacet {
 
 template <class T>
-class bessel_k {
+class bessel_k
+    : public radial_defaults<T, part::P22_by_slope | part::direct_radius | part::float32_sampling_range,
+                             of_all> {
  public:
-  using scalar = T;
   static constexpr std::string_view name = "bessel_k";
   static constexpr std::array<parameter, 1> parameters{{{"a", 0.0, 1e100, 0.0}}};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
-  static constexpr bool shape_invariant = true;
-  static constexpr bool float32_arithmetic = false;
-  static constexpr unsigned tabulate = of_all;
-  static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   static bool sampling_fits_float32(double a) { return a >= 0.5; }
 
   // Below least_shape, where all is proportional to a, its powers would leave the range.
@@ -111,6 +108,6 @@ class bessel_k {
   T a_;
 };
 
-static_assert(radial_family<bessel_k<double>>);
+static_assert(radial_family<bessel_k<float>> && radial_family<bessel_k<double>>);
 
 }  // namespace microfacet

@@ -20,18 +20,13 @@
 namespace microfacet {
 
 template <class T>
-class ggx {
+class ggx : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::facet_sampling |
+                                          part::bounded_facet_sampling> {
  public:
-  using scalar = T;
   static constexpr std::string_view name = "ggx";
-  static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 3> sources{"trowbridge1975average", "walter2007microfacet",
                                                            "heitz2014masking"};
-  static constexpr bool shape_invariant = true;
-  static constexpr bool float32_arithmetic = true;
-  static constexpr unsigned tabulate = 0;
 
-  T zero_or_nan() const { return T(0); }
   T P22(const double_double<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.high)); }
   T D(const T& z, const double_double<T>& h2) const { return T(1 / pi) / square(T(z * z + h2.high)); }
   T survival(const double_double<T>& r2) const { return T(1) / (T(1) + r2.high); }
@@ -47,12 +42,11 @@ class ggx {
     });
   }
   T slope_excess(const slope<T>& x) const { return T(0.5) / (x.value.high + sqrt(T(1) + x.squared.high)); }
-  fraction<T> sigma_below(const T& c, const T& s2) const {
-    return {lifted(T(T(0.5) * s2)), maximum(T(abs(c) + sqrt(c * c + s2)), smallest<T>())};
+  fraction<T> sigma_below(const T& c, const double_double<T>& s2) const {
+    return {lifted(T(T(0.5) * s2.high)), maximum(T(abs(c) + sqrt(c * c + s2.high)), smallest<T>())};
   }
 
   // By a uniform point on a spherical cap: two uniforms; the first is 0 where the mirrored direction is +z.
-  static constexpr int visible_dimensions = 2;
   vec3<T> visible_facet(const T& wx, const T& wz, const T& xi0, const T& xi1) const {
     return spherical_cap<T>(wx, wz, T(T(1) - xi0), T(1), xi0).facet_of_uniform(xi1);
   }
@@ -62,6 +56,6 @@ class ggx {
   }
 };
 
-static_assert(radial_family<ggx<double>>);
+static_assert(radial_family<ggx<float>> && radial_family<ggx<double>>);
 
 }  // namespace microfacet

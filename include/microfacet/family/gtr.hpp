@@ -23,16 +23,12 @@
 namespace microfacet {
 
 template <class T>
-class gtr {
+class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fall, of_all & ~of_P22> {
  public:
-  using scalar = T;
   static constexpr std::string_view name = "gtr";
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 0.0, 1e100, 0.0}}};
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
-  static constexpr bool float32_arithmetic = false;
-  static constexpr unsigned tabulate = of_all & ~of_P22;
-  static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
 
   gtr(const T& alpha, const T& gamma)
       : alpha_(inside(roughness, alpha)), gamma_(inside(parameters[0], gamma)) {
@@ -146,6 +142,6 @@ class gtr {
   T span_, omega_, beta_, g_, up_, down_, smaller_, larger_, norm_;
 };
 
-static_assert(radial_family<gtr<double>>);
+static_assert(radial_family<gtr<float>> && radial_family<gtr<double>>);
 
 }  // namespace microfacet

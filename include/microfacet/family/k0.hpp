@@ -76,17 +76,12 @@ class k0_functions {
 }  // namespace detail
 
 template <class T>
-class k0 {
+class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part::direct_radius |
+                                         part::scaled_excess | part::slope_sampling> {
  public:
-  using scalar = T;
   static constexpr std::string_view name = "k0";
-  static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
-  static constexpr bool shape_invariant = true;
-  static constexpr bool float32_arithmetic = true;
-  static constexpr unsigned tabulate = 0;
 
-  T zero_or_nan() const { return T(0); }
   T P22(const double_double<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }
   T P22_of_slope(const T& y) const { return peaked(detail::k0_functions<T>(y, T(y * y)), y); }
   MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
@@ -138,7 +133,6 @@ class k0 {
 
   // With the probability of the area below the horizon, xi0 small, the slope is that which -|x| sees; else it
   // is one of all slopes, turned towards x where x sees too little of it.
-  static constexpr int visible_dimensions = 3;
   visible_slopes<T> visible_slopes_of(const T& x, const T& xi0, const T& xi1, const T& xi2) const {
     const auto up = x > T(0);
     const T X = abs(x), c = select(up, x, T(0)), below = slope_excess(slope<T>(X));
@@ -191,6 +185,6 @@ class k0 {
   }
 };
 
-static_assert(radial_family<k0<double>>);
+static_assert(radial_family<k0<float>> && radial_family<k0<double>>);
 
 }  // namespace microfacet

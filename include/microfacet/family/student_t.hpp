@@ -24,16 +24,17 @@
 namespace microfacet {
 
 template <class T>
-class student_t {
+class student_t
+    : public radial_defaults<T,
+                             part::scaled_P2 | part::survival_by_slope | part::direct_radius |
+                                 part::scaled_excess | part::tail_quotients | part::mixture_sampling |
+                                 part::special_slope_sampling | part::float32_sampling_range,
+                             of_slope_sf | of_slope_excess> {
  public:
-  using scalar = T;
   static constexpr std::string_view name = "student_t";
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};
   static constexpr std::array<std::string_view, 2> sources{"ribardiere2017std", "deon2020hitchhiker"};
   static constexpr double least_gamma = parameters[0].density_lower;
-  static constexpr bool shape_invariant = true;
-  static constexpr bool float32_arithmetic = true;
-  static constexpr unsigned tabulate = of_slope_sf | of_slope_excess;
 
   // Beyond gaussian_ the tails are Beckmann's to rounding, as far as they are numbers.
   explicit student_t(const T& gamma)
@@ -149,7 +150,6 @@ class student_t {
   }
   static bool sampling_fits_float32(double gamma) { return gamma >= 2.5; }
   // gamma = 3 takes two uniforms.
-  static constexpr int visible_dimensions = 3, mixture_dimensions = 4;
   auto has_closed_slopes() const { return k_ == T(2); }
   visible_slopes<T> closed_slopes(const T& x, const T& xi0, const T& xi1) const {
     const T inverse = T(1) / sqrt(T(2) + x * x), scale = T(sqrt_two);
@@ -192,6 +192,6 @@ class student_t {
   double_double<T> inverse_k_;
 };
 
-static_assert(radial_family<student_t<double>>);
+static_assert(radial_family<student_t<float>> && radial_family<student_t<double>>);
 
 }  // namespace microfacet

@@ -17,10 +17,8 @@ namespace microfacet {
 // lifted_excess, or all of it as sigma_below, without a quotient |c|/s.
 template <class T, class Family>
 fraction<T> sigma_below(const Family& family, const T& c, const double_double<T>& s2) {
-  if constexpr (requires { family.sigma_below(c, s2); }) {
+  if constexpr (scaled_sigma<Family>) {
     return family.sigma_below(c, s2);
-  } else if constexpr (requires { family.sigma_below(c, s2.high); }) {
-    return family.sigma_below(c, s2.high);
   } else {
     // Beyond the largest slope, and at s = 0, nothing is left.
     const T least_ratio = T(1) / square(largest_slope<T>());
@@ -30,7 +28,7 @@ fraction<T> sigma_below(const Family& family, const T& c, const double_double<T>
     const slope<T> x =
         slope<T>::of_square(T(abs(c) * s * reciprocal), quotient(two_prod(c, c), divisor, reciprocal));
     fraction<T> below{T(0), T(1)};
-    if constexpr (requires { family.lifted_excess(x); }) {
+    if constexpr (scaled_excess<Family>) {
       below = family.lifted_excess(x);
     } else {
       below.numerator = lifted(T(family.slope_excess(x)));

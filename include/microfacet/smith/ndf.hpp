@@ -23,7 +23,7 @@ class ndf {
   T P22(const T& p, const T& q) const {
     const double_double<T> h2 = shape_.unit_slope2(p, q);
     const auto by_square = [&] { return T(rounded(family_.D(shape_.unit(), h2)) * shape_.unit_density()); };
-    if constexpr (requires { family_.P22_of_slope(p); }) {
+    if constexpr (P22_by_slope<Family>) {
       const auto by_slope = [&] {
         const T unit2 = square(shape_.unit());
         return T(rounded(family_.P22_of_slope(shape_.length(p, q))) *
@@ -36,7 +36,7 @@ class ndf {
   }
   T P2(const T& p) const {
     const double_double<T> t = shape_.standard(p);
-    if constexpr (requires { family_.P2(t, p); }) {  // times a factor that lifts what underflows alone
+    if constexpr (scaled_P2<Family>) {  // times a factor that lifts what underflows alone
       return family_.P2(t, shape_.inverse_along_x());
     } else {
       return rounded(family_.P2(t)) * shape_.inverse_along_x();

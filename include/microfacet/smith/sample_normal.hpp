@@ -11,7 +11,7 @@ namespace microfacet {
 // The standard slope at survival 1 - xi. A family may state it without its square, which underflows first.
 template <class Family, class T>
 T sample_radius(const Family& family, const T& xi) {
-  if constexpr (requires { family.radius(xi); }) {
+  if constexpr (direct_radius<Family>) {
     return family.radius(xi);
   } else {
     return sqrt(family.radius2(xi));
@@ -38,7 +38,7 @@ T survival(const ndf<Family, T, isotropic_shape<T>>& distribution, const T& r) {
   const Family& family = distribution.family();
   const T valid = nan_unless(r >= T(0), r);
   const double_double<T> r2 = distribution.shape().slope2(valid);
-  if constexpr (requires { family.survival_of_slope(r); }) {  // where a square has lost digits
+  if constexpr (survival_by_slope<Family>) {  // where a square has lost digits
     const T most = square(largest_slope<T>());
     return select_lazy((minimum(r2.high, T(valid * valid)) < T(0x1p30) * smallest<T>()) | !(r2.high < most),
                        [&] { return family.survival_of_slope(distribution.shape().length(valid, T(0))); },

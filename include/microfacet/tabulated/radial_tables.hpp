@@ -90,7 +90,7 @@ class radial_samples {
   R root_D(const R& L) const {
     const R r = elementary::exp(R(R(0.5) * L)), r2 = r * r;
     const auto inner = [&] {
-      if constexpr (requires { family_.P22_of_slope(r); }) {
+      if constexpr (P22_by_slope<Family>) {
         return R(sqrt(family_.P22_of_slope(r)) * (R(1) + r2));
       } else {
         return R(sqrt(family_.P22(double_double<R>(r2))) * (R(1) + r2));
@@ -110,7 +110,7 @@ class radial_samples {
   R radius(const R& L) const {
     const R odds = elementary::exp(L), xi = minimum(R(odds / (R(1) + odds)), R(1 - 0x1p-53));
     R start;
-    if constexpr (requires { family_.radius(xi); }) {
+    if constexpr (direct_radius<Family>) {
       start = family_.radius(xi);
     } else {
       start = sqrt(family_.radius2(xi));

@@ -18,21 +18,18 @@ namespace microfacet {
 
 // On scalars R, from tables that must outlive it.
 template <class R, class Tables = radial_tables<typename scalar_traits<R>::real>>
-class tabulated {
+class tabulated
+    : public radial_defaults<R, part::scaled_P2 | part::P22_by_slope | part::survival_by_slope |
+                                    part::direct_radius | part::radius_by_odds | part::scaled_sigma |
+                                    part::mixture_sampling | (Tables::single ? part::excess_quantile : 0U)> {
  public:
-  using scalar = R;
   using tables = Tables;
   static constexpr std::string_view name = "tabulated";
-  static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 0> sources{};
-  static constexpr bool shape_invariant = true;
-  static constexpr bool float32_arithmetic = true;
   static constexpr bool always_composes = requires { requires tables::always_composes; };
-  static constexpr unsigned tabulate = 0;
 
   explicit tabulated(const tables& t) : t_(&t) {}
 
-  MICROFACET_INLINE R zero_or_nan() const { return R(0); }
   MICROFACET_INLINE R P22(const double_double<R>& r2) const {
     return square(R(t_->root_D(r2) / (R(1) + r2.high)));
   }
@@ -107,6 +104,6 @@ class tabulated {
   const tables* t_;
 };
 
-static_assert(radial_family<tabulated<double>>);
+static_assert(radial_family<tabulated<float>> && radial_family<tabulated<double>>);
 
 }  // namespace microfacet

@@ -22,13 +22,11 @@
 
 namespace microfacet {
 
-class user_density : detail::user_density_panels {
+class user_density : public radial_defaults<double, part::P22_by_slope | part::direct_radius>,
+                     detail::user_density_panels {
  public:
-  using scalar = double;
   static constexpr std::string_view name = "user_density";
-  static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 0> sources{};
-  static constexpr bool shape_invariant = true;
 
   // The survival function above(L, f, n), if `known`, need not be integrated.
   user_density(const sampled_function& density, double lower, double upper, double at_zero, bool known,
@@ -41,7 +39,6 @@ class user_density : detail::user_density_panels {
   double mean_excess() const { return 2 * norm_inverse_ * above_[0].moment; }
   double error() const { return P22_.error; }
 
-  double zero_or_nan() const { return 0; }
   double P22_of_slope(double r) const {
     return r == 0 ? norm_inverse_ * P22_.at_zero : norm_inverse_ * at(std::log(r), r);
   }

@@ -39,18 +39,14 @@ struct user_density_tables {
 
 // On scalars R, from tables that must outlive it.
 template <class R>
-class tabulated_user_density {
+class tabulated_user_density : public radial_defaults<R, part::direct_radius> {
  public:
-  using scalar = R;
   using tables = user_density_tables<typename scalar_traits<R>::real>;
   static constexpr std::string_view name = "radial";
-  static constexpr std::array<parameter, 0> parameters{};
   static constexpr std::array<std::string_view, 0> sources{};
-  static constexpr bool shape_invariant = true, float32_arithmetic = true;
 
   explicit tabulated_user_density(const tables& t) : t_(&t) {}
 
-  R zero_or_nan() const { return R(0); }
   R P22(const double_double<R>& r2) const { return square(t_->root_P22(r2)); }
   R D(const R& z_argument, const double_double<R>& h2) const {
     const R z = maximum(z_argument, R(R(4) * sqrt(smallest<R>()))), reciprocal = R(1) / (z * z);

@@ -1,0 +1,64 @@
+// Slopes, and what families give back of them.
+#pragma once
+
+#include "microfacet/core/double_double.hpp"
+#include "microfacet/core/math.hpp"
+
+namespace microfacet {
+
+// A slope with its square; exponents are made of the one or the other.
+template <class T>
+struct slope {
+  double_double<T> value, squared;
+
+  slope(const T& t) : slope(double_double<T>(t)) {}
+  slope(const double_double<T>& t) : slope(t, square(t)) {}
+  slope(const double_double<T>& t, const double_double<T>& t2) : value(t), squared(t2) {}
+  // From the exact square, `root` being its square root to rounding.
+  static slope of_square(const T& root, const double_double<T>& t2) {
+    const T rest = residual(t2.high, root, root) + t2.low;
+    return slope({root, T(0.5) * rest / maximum(root, smallest<T>())}, t2);
+  }
+};
+
+template <class T>
+struct fraction {
+  T numerator, denominator;
+};
+
+// Of s from 0 to d, the integrals of P2(t + s)/P2(t) and of s times that.
+template <class T>
+struct near_integrals {
+  T mass, moment;
+};
+
+// Slopes in the plane of incidence of a direction, positive towards it, and across that plane.
+template <class T>
+struct visible_slopes {
+  T along, across;
+};
+template <class T, class Mask>
+visible_slopes<T> select(const Mask& mask, const visible_slopes<T>& a, const visible_slopes<T>& b) {
+  return {select(mask, a.along, b.along), select(mask, a.across, b.across)};
+}
+
+// A slope t >= 0 whose square is finite: the largest stands for all above it.
+template <class T>
+slope<T> bounded(const slope<T>& t) {
+  const T most = largest_slope<T>();
+  const auto beyond = t.value.high > most;
+  return {select(beyond, double_double<T>(most), t.value),
+          select(beyond, double_double<T>(T(most * most)), t.squared)};
+}
+
+// A probability above t >= 0 made one for any t by symmetry: 1/2 at 0 and nothing above infinity. The square
+// of a finite slope may be infinite.
+template <class T, class Upper>
+T symmetric_sf(const slope<T>& t_argument, const Upper& upper) {
+  const T t = t_argument.value.high, size = abs(t);
+  const T q = upper(slope<T>(abs(t_argument.value), t_argument.squared));
+  const T above = select(size == T(0), T(0.5) + T(0) * q, select(size <= largest<T>(), q, T(0) * q));
+  return select(t < T(0), T(T(1) - above), select(size >= T(0), above, size));
+}
+
+}  // namespace microfacet
