@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
@@ -26,8 +27,8 @@ MICROFACET_INLINE R interleaved(const Coefficients& c, const R& x) {
 
 // Times log(x + low) - centre, for x = 2^n (1 + e) positive and normal, and a centre with so few digits that
 // n ln2_high - centre is exact.
-template <int Times, class R>
-MICROFACET_INLINE R log_ratio(const R& x, const R& low, const R& centre) {
+template <int Times, class R, class Low>
+MICROFACET_INLINE R log_ratio(const R& x, const Low& low, const R& centre) {
   using f = elementary::format<R>;
   using integers = elementary::integers<R>;
   using real = typename scalar_traits<R>::real;
@@ -43,8 +44,8 @@ MICROFACET_INLINE R log_ratio(const R& x, const R& low, const R& centre) {
     const R shifted_n = from_bits(
         wrapping_sum(integers(shifted >> f::mantissa), integers(elementary::bits(real(f::round)))), x);
     const R n = rounded(R(shifted_n - R(f::round)));
-    const R e = multiply_add(
-        low, power, rounded(R(from_bits(wrapping_difference(integers(bits(x)), exponent), x) - R(1))));
+    R e = rounded(R(from_bits(wrapping_difference(integers(bits(x)), exponent), x) - R(1)));
+    if constexpr (!std::is_same_v<Low, absent>) e = multiply_add(low, power, e);
     const auto q = [](std::size_t k) { return R(coefficients::log_polynomial_32[k]); };
     const R bend = multiply_add(interleaved<coefficients::log_polynomial_32.size()>(q, e), e, R(-0.5));
     const R rest = multiply_add(R(e * e), bend, R(R(f::ln2_low) * n));

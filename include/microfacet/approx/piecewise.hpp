@@ -74,7 +74,7 @@ struct piecewise {
   template <class R>
   MICROFACET_INLINE R of_root(const R& x) const {
     const double_double<R> x2 = two_prod(x, x);
-    const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_ratio<2>(inside, R(0), R(centre[0]));
+    const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_ratio<2>(inside, absent(), R(centre[0]));
     const R first_piece = polynomial_of<true>(v, elementary::integers<R>(0), R(1));
     const R f = select(x2.high >= R(lower), (*this)(x2), first_piece);
     return select(x >= smallest<R>(), f, R(R(at_zero) + (x - x)));
@@ -107,9 +107,10 @@ struct piecewise {
     // Infinity would lie far beyond the last piece, with a low that is nan.
     constexpr T most = (std::numeric_limits<T>::max)() / 4;
     const auto finite = x.high < R(most);
-    const R high = select(finite, x.high, R(most)), low = select(finite, x.low, R(0));
+    const R high = select(finite, x.high, R(most));
     const elementary::integers<R> i = piece<Few>(high);
-    return polynomial_of<Few>(log_ratio<1>(high, low, lookup<pieces<Few>>(centre, i)), i, factor);
+    const R v = log_ratio<1>(high, low_where(finite, x), lookup<pieces<Few>>(centre, i));
+    return polynomial_of<Few>(v, i, factor);
   }
   template <bool Few>
   static constexpr std::size_t pieces = Few ? most_pieces / 2 : most_pieces;

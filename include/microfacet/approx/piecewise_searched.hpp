@@ -37,14 +37,14 @@ struct piecewise_searched {
   template <class R>
   MICROFACET_INLINE R operator()(const double_double<R>& x) const {
     const R inside = minimum(maximum(x.high, R(lower)), R(upper));
-    const R low = select(x.high < R(upper), x.low, R(0));  // of 1e200 it would be the larger part of `inside`
+    const auto low = low_where(x.high < R(upper), x);  // of 1e200 it would be the larger part of `inside`
     const R f = few ? value<Pieces / 2>(inside, low) : value<Pieces>(inside, low);
     return select(x.high < R(lower), R(at_zero), f);
   }
 
  private:
-  template <std::size_t N, class R>
-  MICROFACET_INLINE R value(const R& x, const R& low) const {
+  template <std::size_t N, class R, class Low>
+  MICROFACET_INLINE R value(const R& x, const Low& low) const {
     const elementary::integers<R> i = piece<N>(x);
     return polynomial_of<N>(log_ratio<1>(x, low, lookup<N>(centre, i)), i);
   }
@@ -61,9 +61,9 @@ struct piecewise_searched {
       odd = multiply_add(odd, v2, lookup<N>(coefficient[k - 2], i));
     // Far out on a power law exp(t) is zero; its exponent must not leave the format.
     const R t = maximum(R(v * multiply_add(odd, v, even)), R(elementary::format<R>::least));
-    const elementary::reduced<R> e = elementary::reduce(t, R(0));
+    const elementary::reduced<R> e = elementary::reduce(t);
     const R scale = lookup<N>(twice_value, i) * e.power;
-    return multiply_add(scale, e.excess, scale);
+    return multiply_add(scale, e.expm1_part, scale);
   }
 
   template <std::size_t N, class R>

@@ -1,8 +1,10 @@
-// Numbers as the unevaluated sum of two: exponents need more digits than their results, since exp(-r) carries
-// the rounding of r times r (Dekker, Numerische Mathematik 18, 1971; Ogita, Rump and Oishi, SIAM J. Sci.
-// Comput. 26, 2005). A T becomes a double_double by itself; one whose products are not known exactly keeps low = 0.
-// `high` alone is the number to a few roundings. Beside an infinite high, low is nan: exp and log_double_double
-// know that.
+// Numbers with the digits that an exponent needs: exp(-r) carries the rounding of r times r. In float32 they are
+// the unevaluated sum of two (Dekker, Numerische Mathematik 18, 1971; Ogita, Rump and Oishi, SIAM J. Sci. Comput.
+// 26, 2005). In float64 they are one, whose roundings leave exp its digits up to the largest exponent, 708; where
+// something cancels, two_prod_error and two_sum_error say what is lost.
+//
+// A T becomes a double_double by itself; one whose products are not known exactly keeps low = 0. `high` alone is
+// the number to a few roundings. Beside an infinite high, low is nan: exp and log_double_double know that.
 #pragma once
 
 #include "microfacet/core/elementary.hpp"
@@ -11,25 +13,71 @@
 namespace microfacet {
 
 template <class T>
+inline constexpr bool one_number =
+    elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 8;
+
+template <class T>
 struct double_double {
   T high, low;
 
   MICROFACET_INLINE double_double(const T& value) : high(value), low(T(0)) {}
   MICROFACET_INLINE double_double(const T& h, const T& l) : high(rounded(h)), low(rounded(l)) {}
-
-  friend double_double operator-(const double_double& a) { return {-a.high, -a.low}; }
-  MICROFACET_INLINE friend double_double operator*(const T& power_of_two, const double_double& a) {
-    return {power_of_two * a.high, power_of_two * a.low};
-  }
-  MICROFACET_INLINE friend double_double operator*(const double_double& a, const double_double& b) {
-    const T p = rounded(T(a.high * b.high));
-    return {p, multiply_add(a.high, b.low, multiply_add(a.low, b.high, two_prod_error(a.high, b.high, p)))};
-  }
 };
 
 template <class T>
+  requires one_number<T>
+struct double_double<T> {
+  T high;
+  static constexpr absent low{};
+
+  MICROFACET_INLINE double_double(const T& value) : high(value) {}
+  template <class Low>
+  MICROFACET_INLINE double_double(const T& h, const Low&) : high(h) {}
+};
+
+// The low part as a number.
+template <class T>
+MICROFACET_INLINE T low_of(const double_double<T>& a) {
+  if constexpr (one_number<T>) {
+    return T(0);
+  } else {
+    return a.low;
+  }
+}
+
+// The low part where the condition holds, else 0.
+template <class T, class Mask>
+MICROFACET_INLINE auto low_where(const Mask& condition, const double_double<T>& a) {
+  if constexpr (one_number<T>) {
+    return a.low;
+  } else {
+    return select(condition, a.low, T(0));
+  }
+}
+
+// What s = a + b rounded lacks of the sum, whatever the order of a and b.
+template <class T>
+MICROFACET_INLINE T two_sum_error(const T& a, const T& b, const T& s) {
+  const T t = rounded(T(s - a));
+  return rounded(T(a - rounded(T(s - t)))) + rounded(T(b - t));
+}
+template <class T>
+MICROFACET_INLINE double_double<T> two_sum(const T& a, const T& b) {
+  const T s = rounded(T(a + b));
+  if constexpr (one_number<T>) return s;
+  return {s, two_sum_error(a, b, s)};
+}
+// The same for |a| >= |b|.
+template <class T>
+MICROFACET_INLINE double_double<T> fast_two_sum(const T& a, const T& b) {
+  const T s = rounded(T(a + b));
+  if constexpr (one_number<T>) return s;
+  return {s, b - rounded(T(s - a))};
+}
+template <class T>
 MICROFACET_INLINE double_double<T> two_prod(const T& a, const T& b) {
   const T p = rounded(T(a * b));
+  if constexpr (one_number<T>) return p;
   return {p, two_prod_error(a, b, p)};
 }
 
@@ -44,22 +92,36 @@ MICROFACET_INLINE T residual(const T& a, const T& b, const T& c) {
   }
 }
 
-// Of |a| >= |b|, and of any two.
 template <class T>
-MICROFACET_INLINE double_double<T> fast_two_sum(const T& a, const T& b) {
-  const T s = rounded(T(a + b));
-  return {s, b - rounded(T(s - a))};
+MICROFACET_INLINE double_double<T> operator-(const double_double<T>& a) {
+  return {-a.high, -low_of(a)};
 }
-template <class T>
-MICROFACET_INLINE double_double<T> two_sum(const T& a, const T& b) {
-  const T s = rounded(T(a + b)), t = rounded(T(s - a));
-  return {s, rounded(T(a - rounded(T(s - t)))) + rounded(T(b - t))};
-}
-
 template <class T>
 MICROFACET_INLINE double_double<T> operator+(const double_double<T>& a, const double_double<T>& b) {
   const double_double<T> sum = two_sum(a.high, b.high);
-  return {sum.high, sum.low + (a.low + b.low)};
+  return {sum.high, low_of(sum) + (low_of(a) + low_of(b))};
+}
+template <class T>
+MICROFACET_INLINE double_double<T> operator*(const double_double<T>& a, const double_double<T>& b) {
+  const T p = rounded(T(a.high * b.high));
+  if constexpr (one_number<T>) return p;
+  return {p, multiply_add(a.high, low_of(b),
+                          multiply_add(low_of(a), b.high, two_prod_error(a.high, b.high, p)))};
+}
+template <class T>
+MICROFACET_INLINE double_double<T> operator*(const T& a, const double_double<T>& b) {
+  const T p = rounded(T(a * b.high));
+  if constexpr (one_number<T>) return p;
+  return {p, multiply_add(a, low_of(b), two_prod_error(a, b.high, p))};
+}
+template <class T>
+MICROFACET_INLINE double_double<T> square(const double_double<T>& a) {
+  return a * a;
+}
+// Twice a, which is exact.
+template <class T>
+MICROFACET_INLINE double_double<T> twice(const double_double<T>& a) {
+  return {a.high + a.high, low_of(a) + low_of(a)};
 }
 
 // a/b, given 1/b.high.
@@ -67,18 +129,30 @@ template <class T>
 MICROFACET_INLINE double_double<T> quotient(const double_double<T>& a, const double_double<T>& b,
                                             const T& reciprocal) {
   const T q = rounded(T(a.high * reciprocal));
-  const T rest = residual(a.high, q, b.high) + multiply_add(T(-q), b.low, a.low);
+  if constexpr (one_number<T>) return q;
+  const T rest = residual(a.high, q, b.high) + multiply_add(T(-q), low_of(b), low_of(a));
   return {q, rest * reciprocal};
 }
 template <class T>
 MICROFACET_INLINE double_double<T> quotient(const double_double<T>& a, const double_double<T>& b) {
+  if constexpr (one_number<T>) return T(a.high / b.high);
   return quotient(a, b, T(T(1) / b.high));
 }
 
 template <class T>
 MICROFACET_INLINE double_double<T> sqrt(const double_double<T>& a) {
   const T root = sqrt(a.high);
-  return {root, T(0.5) * (residual(a.high, root, root) + a.low) / root};
+  if constexpr (one_number<T>) return root;
+  return {root, T(0.5) * (residual(a.high, root, root) + low_of(a)) / root};
+}
+
+// a/sqrt(b), given the roundings of sqrt(b) and of its reciprocal.
+template <class T>
+MICROFACET_INLINE double_double<T> root_quotient(const T& a, const double_double<T>& b, const T& root,
+                                                 const T& reciprocal) {
+  if constexpr (one_number<T>) return a * reciprocal;
+  const T rest = T(0.5) * ((residual(b.high, root, root) + low_of(b)) * reciprocal);
+  return quotient(double_double<T>(a), double_double<T>(root, rest), reciprocal);
 }
 
 // log(a) of a positive a; a scalar of another kind than elementary.hpp knows loses what its log rounds.
@@ -93,37 +167,53 @@ MICROFACET_INLINE double_double<T> log_double_double(const double_double<T>& a) 
   }
 }
 
+// log(a + b) to rounding, also where the sum is next to 1.
+template <class T>
+MICROFACET_INLINE T log_of_sum(const T& a, const T& b) {
+  const T s = rounded(T(a + b));
+  if constexpr (elementary::has_lanes<T>) {
+    return elementary::log(s, two_sum_error(a, b, s)).high;
+  } else {
+    return log_double_double(two_sum(a, b)).high;
+  }
+}
+
 template <class T>
 MICROFACET_INLINE double_double<T> log1p_double_double(const double_double<T>& a) {
+  if constexpr (one_number<T>) return elementary::log1p(a.high);
   const double_double<T> sum = two_sum(T(1), a.high);
-  return log_double_double(double_double<T>(sum.high, T(sum.low + a.low)));
+  return log_double_double(double_double<T>(sum.high, T(low_of(sum) + low_of(a))));
 }
 
 template <class T, class Mask>
 MICROFACET_INLINE double_double<T> select(const Mask& mask, const double_double<T>& a,
                                           const double_double<T>& b) {
-  return {select(mask, a.high, b.high), select(mask, a.low, b.low)};
+  if constexpr (one_number<T>) return select(mask, a.high, b.high);
+  return {select(mask, a.high, b.high), select(mask, low_of(a), low_of(b))};
 }
 
 template <class T>
 MICROFACET_INLINE double_double<T> abs(const double_double<T>& a) {
-  const auto negative = a.high < T(0);
-  return {select(negative, -a.high, a.high), select(negative, -a.low, a.low)};
+  return select(a.high < T(0), -a, a);
 }
 
 template <class T>
-MICROFACET_INLINE double_double<T> square(const double_double<T>& a) {
-  return a * a;
-}
-
-// 2^Bias exp(x): the bias keeps what a large factor then lifts from being flushed to zero.
-template <int Bias = 0, class T>
 MICROFACET_INLINE T exp(const double_double<T>& x) {
   if constexpr (elementary::has_lanes<T>) {
-    return elementary::exp<Bias>(x.high, x.low);
+    return elementary::exp(x.high, x.low);
   } else {
-    const T e = T(std::ldexp(1.0, Bias)) * exp(x.high);
+    const T e = exp(x.high);
     return select(abs(x.low) < T(1), T(e + e * x.low), e);
+  }
+}
+
+// factor exp(-x) for x >= 0: a large factor keeps the exponential from being flushed to zero before the result is.
+template <class T>
+MICROFACET_INLINE T times_exp_minus(const T& factor, const double_double<T>& x) {
+  if constexpr (elementary::has_lanes<T>) {
+    return elementary::times_exp_minus(factor, x.high, x.low);
+  } else {
+    return factor * exp(-x);
   }
 }
 

@@ -6,6 +6,7 @@
 // normal numbers arguments and results count as zero.
 #pragma once
 
+#include "microfacet/core/exponential.hpp"
 #include "microfacet/core/format.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/pack.hpp"
@@ -19,7 +20,6 @@ template <class R>
 MICROFACET_INLINE R abs(const R& x) {
   return from_bits(integers<R>(bits(x) & integers<R>(format<R>::magnitude)), x);
 }
-
 // For |x| < 2^51 (float: 2^22).
 template <class R>
 MICROFACET_INLINE R round(const R& x) {
@@ -46,72 +46,37 @@ MICROFACET_INLINE R two_prod_error(const R& a, const R& b, const R& p) {
 #endif
 }
 
-// x + low = n ln 2 + rest: `excess` is exp(rest) - 1 and `power` 2^(n - 1 + Bias), which is normal where
-// 2^Bias exp(x) is.
-template <class R>
-struct reduced {
-  R excess, power;
-};
-template <int Bias = 0, class R>
-MICROFACET_INLINE reduced<R> reduce(const R& x, const R& low) {
-  using f = format<R>;
-  const R shifted = multiply_add(x, R(std::numbers::log2e), R(f::round));
-  const R n = rounded(R(shifted - R(f::round)));
-  const R rest = multiply_add(n, R(-f::ln2_low), R(multiply_add(n, R(-f::ln2_high), x))) + low;
-  const R excess = multiply_add(R(rest * rest), polynomial(f::exp, rest), rest);
-  constexpr auto bias =
-      f::half + static_cast<decltype(f::half)>(Bias) * (decltype(f::half)(1) << f::mantissa);
-  return {excess, from_bits(wrapping_sum(integers<R>(bits(shifted) << f::mantissa), integers<R>(bias)), x)};
-}
-// 2^Bias exp(x + low).
-template <int Bias = 0, class R>
-MICROFACET_INLINE R exp(const R& x, const R& low) {
-  constexpr auto shift = static_cast<typename scalar_traits<R>::real>(Bias * std::numbers::ln2);
-  const reduced<R> e = reduce<Bias>(x, low);
-  const R value = multiply_add(R(2), e.excess, R(2)) * e.power;
-  return select(x < R(format<R>::least - shift), R(0),
-                select(x > R(format<R>::most - shift), infinite<R>(), value));
-}
-template <class R>
-MICROFACET_INLINE R exp(const R& x) {
-  return elementary::exp(x, R(0));
-}
-template <class R>
-MICROFACET_INLINE R expm1(const R& x) {
-  const reduced<R> e = reduce(x, R(0));
-  const R general = R(2) * multiply_add(e.power, e.excess, rounded(R(e.power - R(0.5))));
-  const R value = select(e.power == R(0.5), e.excess, general);  // the excess itself, which may be tiny
-  return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), infinite<R>(), value));
-}
-
-// x + low = 2^n (1 + e) for a positive x and |low| much below x, sqrt(1/2) <= 1 + e < sqrt(2), and
-// log(1 + e) = e - less: less = e^2/2 - s (e^2/2 + s^2 R(s^2)), s = e/(2 + e), so that the rounding of s
+// Reduces x + low = 2^n (1 + e) for a positive x and |low| much below x, sqrt(1/2) <= 1 + e < sqrt(2), and
+// gives log(1 + e) = e - less: less = e^2/2 - s (e^2/2 + s^2 R(s^2)), s = e/(2 + e), so that the rounding of s
 // enters but once.
 template <class R>
 struct reduced_logarithm {
   R n, e, less;
 };
-template <class R>
-MICROFACET_INLINE reduced_logarithm<R> reduce_log(const R& x, const R& low) {
+template <class R, class Low = absent>
+MICROFACET_INLINE reduced_logarithm<R> reduce_log(const R& x, const Low& low = {}) {
   using f = format<R>;
   const integers<R> n = wrapping_difference(bits(x), integers<R>(f::sqrt_half)) >> f::mantissa;
   const integers<R> shift = n << f::mantissa;
   const R m = from_bits(wrapping_difference(bits(x), shift), x);
-  const R power =
-      from_bits(wrapping_difference(integers<R>(bits(R(2))), shift), x);  // 2^(1 - n): n may be 1024
   const R real_n = rounded(R(from_bits(wrapping_sum(integers<R>(bits(R(f::round))), n), x) - R(f::round)));
-  const R e = multiply_add(R(R(0.5) * low), power, rounded(R(m - R(1))));
+  R e = rounded(R(m - R(1)));
+  if constexpr (!std::is_same_v<Low, absent>) {
+    // 2^(1 - n), since n may be 1024
+    const R power = from_bits(wrapping_difference(integers<R>(bits(R(2))), shift), x);
+    e = multiply_add(R(R(0.5) * low), power, e);
+  }
   const R s = e / (R(2) + e), s2 = s * s, half = R(0.5) * e * e;
   return {real_n, e, half - s * multiply_add(s2, polynomial(f::log, s2), half)};
 }
 
-// log(x + low) as the sum of two.
+// log(x + low) as the sum of two numbers, x + low >= 0: -inf below the normal numbers, nan below 0.
 template <class R>
 struct logarithm {
   R high, low;
 };
-template <class R>
-MICROFACET_INLINE logarithm<R> log(const R& x, const R& low) {
+template <class R, class Low>
+MICROFACET_INLINE logarithm<R> log(const R& x, const Low& low) {
   using f = format<R>;
   const reduced_logarithm<R> l = reduce_log(x, low);
   const R tail = rounded(R(l.e - multiply_add(l.n, R(-f::ln2_low), l.less))), head = l.n * R(f::ln2_high);
@@ -122,7 +87,7 @@ MICROFACET_INLINE logarithm<R> log(const R& x, const R& low) {
 }
 template <class R>
 MICROFACET_INLINE R log(const R& x) {
-  return elementary::log(x, R(0)).high;
+  return elementary::log(x, absent{}).high;
 }
 template <class R>
 MICROFACET_INLINE R log1p(const R& x) {
@@ -135,7 +100,7 @@ MICROFACET_INLINE R log1p(const R& x) {
 // For x >= 0.
 template <class R>
 MICROFACET_INLINE R pow(const R& x, const R& y) {
-  const logarithm<R> l = elementary::log(x, R(0));
+  const logarithm<R> l = elementary::log(x, absent{});
   const R p = rounded(R(y * l.high));
   return elementary::exp(p, R(multiply_add(y, l.low, elementary::two_prod_error(y, l.high, p))));
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -61,6 +62,13 @@ struct integers_of<pack<T, B, K>> {
 };
 #endif
 
+// Of P in exp(r) = 1 + r + r^2 P(r), the coefficients of -P(-r).
+template <class Real, std::size_t N>
+constexpr std::array<Real, N> negated_of_negative(std::array<Real, N> c) {
+  for (std::size_t k = 0; k < N; k += 2) c[k] = -c[k];
+  return c;
+}
+
 // The numbers that depend on the format of a lane.
 template <class Real>
 struct format_of_lane {
@@ -75,7 +83,9 @@ struct format_of_lane<float> {
   static constexpr float round = 0x1.8p23f;  // adding it rounds to an integer, which the low bits then hold
   static constexpr float ln2_high = 0x1.63p-1f, ln2_low = -0x1.bd0106p-13f;  // n ln2_high is exact
   static constexpr float least = -86.6f, most = 88.722839f;                  // arguments of exp
+  static constexpr float zero_beyond = 172;  // where the largest factor of exp(-x) leaves nothing
   static constexpr auto& exp = coefficients::exp_32;
+  static constexpr auto minus_exp_of_minus = negated_of_negative(coefficients::exp_32);
   static constexpr auto& log = coefficients::log_32;
   static constexpr auto& sin = coefficients::sin_32;
   static constexpr auto& cos = coefficients::cos_32;
@@ -89,7 +99,9 @@ struct format_of_lane<double> {
   static constexpr double round = 0x1.8p52;
   static constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
   static constexpr double least = -707.7, most = 709.78271289338397;
+  static constexpr double zero_beyond = 1403;
   static constexpr auto& exp = coefficients::exp_64;
+  static constexpr auto minus_exp_of_minus = negated_of_negative(coefficients::exp_64);
   static constexpr auto& log = coefficients::log_64;
   static constexpr auto& sin = coefficients::sin_64;
   static constexpr auto& cos = coefficients::cos_64;

@@ -46,6 +46,38 @@ MICROFACET_INLINE Vector lookup(const Element* table, const Indices& index) {
     }
   }
 #endif
+#if defined(__AVX2__)
+  if constexpr (sizeof(Vector) == 32 && N * sizeof(Element) <= 128) {
+    // The register that holds an element by permutation, and which one by its number's higher bits.
+    constexpr bool wide = sizeof(Element) == 8;
+    const auto number = std::bit_cast<__m256i>(index);
+    // Halves of a double_double are permuted as two numbers.
+    const auto at = wide ? _mm256_add_epi32(_mm256_shuffle_epi32(_mm256_slli_epi64(number, 1), 0xa0),
+                                            _mm256_set1_epi64x(std::int64_t{1} << 32))
+                         : number;
+    const auto part = [&](std::size_t i) {
+      return _mm256_permutevar8x32_ps(_mm256_loadu_ps(reinterpret_cast<const float*>(table) + 8 * i), at);
+    };
+    const auto by_bit = [&](int bit, __m256 clear, __m256 set) {
+      if constexpr (wide) {
+        return _mm256_castpd_ps(_mm256_blendv_pd(_mm256_castps_pd(clear), _mm256_castps_pd(set),
+                                                 _mm256_castsi256_pd(_mm256_slli_epi64(number, 63 - bit))));
+      } else {
+        return _mm256_blendv_ps(clear, set, _mm256_castsi256_ps(_mm256_slli_epi32(number, 31 - bit)));
+      }
+    };
+    constexpr int first = wide ? 2 : 3;
+    const auto four = [&](std::size_t i) { return by_bit(first, part(i), part(i + 1)); };
+    if constexpr (N * sizeof(Element) == 64) {
+      return std::bit_cast<Vector>(four(0));
+    } else {
+      return std::bit_cast<Vector>(by_bit(first + 1, four(0), four(2)));
+    }
+  } else if constexpr (sizeof(Vector) == 32) {
+    const auto at = _mm256_and_si256(std::bit_cast<__m256i>(index), _mm256_set1_epi64x(N - 1));
+    return std::bit_cast<Vector>(_mm256_i64gather_pd(reinterpret_cast<const double*>(table), at, 8));
+  }
+#endif
   Vector result;
   for (std::size_t i = 0; i < sizeof(Vector) / sizeof(Element); ++i)
     result[i] = table[static_cast<std::size_t>(index[i]) % N];

@@ -44,25 +44,28 @@ struct pack {
   using modular_lane =
       typename std::conditional_t<std::is_integral_v<T>, std::make_unsigned<T>, std::type_identity<T>>::type;
   typedef modular_lane modular __attribute__((vector_size(Bytes)));
-  MICROFACET_INLINE static vector rounded_lanes(const modular& a) {
-    vector lanes = std::bit_cast<vector>(a);
-    if constexpr (std::is_floating_point_v<T>) MICROFACET_HOLD_LANES(lanes);
-    return lanes;
+// An expression of the registers k, for each of them: no function, which compilers would have to inline.
+#define MICROFACET_EACH(RESULT, EXPRESSION)                                           \
+  {                                                                                   \
+    RESULT r;                                                                         \
+    for (int k = 0; k < K; ++k) {                                                     \
+      r.v[k] = (typename RESULT::vector)(EXPRESSION);                                 \
+      if constexpr (std::is_floating_point_v<typename RESULT::lane>)                  \
+        MICROFACET_HOLD_LANES(r.v[k]);                                                \
+    }                                                                                 \
+    return r;                                                                         \
   }
-#define MICROFACET_ARITHMETIC(OP)                                                             \
-  MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) {                   \
-    return from([&](int k) {                                                                  \
-      return rounded_lanes(std::bit_cast<modular>(a.v[k]) OP std::bit_cast<modular>(b.v[k])); \
-    });                                                                                       \
-  }
+#define MICROFACET_ARITHMETIC(OP)                                            \
+  MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) \
+    MICROFACET_EACH(pack, (modular)a.v[k] OP (modular)b.v[k])
   MICROFACET_ARITHMETIC(+)
   MICROFACET_ARITHMETIC(-)
   MICROFACET_ARITHMETIC(*)
 #undef MICROFACET_ARITHMETIC
-#define MICROFACET_BINARY(RESULT, OP)                                         \
-  MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) { \
-    return RESULT::from([&](int k) { return a.v[k] OP b.v[k]; });             \
-  }
+#define MICROFACET_BINARY(RESULT, OP)                                       \
+  MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) \
+    MICROFACET_EACH(RESULT, a.v[k] OP b.v[k])
+  MICROFACET_BINARY(pack, /)
   MICROFACET_BINARY(pack, &)
   MICROFACET_BINARY(pack, |)
   MICROFACET_BINARY(pack, ^)
@@ -73,31 +76,25 @@ struct pack {
   MICROFACET_BINARY(integers, ==)
   MICROFACET_BINARY(integers, !=)
 #undef MICROFACET_BINARY
-#define MICROFACET_UNARY(EXPRESSION) return from([&](int k) { return EXPRESSION; });
-  MICROFACET_INLINE friend pack operator-(const pack& a){MICROFACET_UNARY(-a.v[k])} MICROFACET_INLINE
-      friend pack operator!(const pack& a){MICROFACET_UNARY(~a.v[k])} MICROFACET_INLINE
-      friend pack operator<<(const pack& a, int n){MICROFACET_UNARY(a.v[k] << n)} MICROFACET_INLINE
-      friend pack operator>>(const pack& a, int n){MICROFACET_UNARY(a.v[k] >> n)}
-
-  MICROFACET_INLINE friend pack operator/(const pack& a, const pack& b) {
-    return from([&](int k) { return rounded_lanes(a.v[k] / b.v[k]); });
-  }
-  MICROFACET_INLINE friend pack select(const integers& mask, const pack& a, const pack& b){
-      MICROFACET_UNARY(mask.v[k] ? a.v[k] : b.v[k])} MICROFACET_INLINE friend integers bits(const pack& a) {
-    return integers::from([&](int k) { return std::bit_cast<typename integers::vector>(a.v[k]); });
-  }
-  MICROFACET_INLINE friend pack from_bits(const integers& a, const pack&){
-      // the pack only names the type
-      MICROFACET_UNARY(std::bit_cast<vector>(a.v[k]))} MICROFACET_INLINE friend pack
-      sqrt(const pack& a){MICROFACET_UNARY(registers::sqrt(a.v[k]))} MICROFACET_INLINE friend pack
-      multiply_add(const pack& a, const pack& b, const pack& c) {
+  // clang-format off
+  MICROFACET_INLINE friend pack operator-(const pack& a) MICROFACET_EACH(pack, -a.v[k])
+  MICROFACET_INLINE friend pack operator!(const pack& a) MICROFACET_EACH(pack, ~a.v[k])
+  MICROFACET_INLINE friend pack operator<<(const pack& a, int n) MICROFACET_EACH(pack, a.v[k] << n)
+  MICROFACET_INLINE friend pack operator>>(const pack& a, int n) MICROFACET_EACH(pack, a.v[k] >> n)
+  MICROFACET_INLINE friend pack select(const integers& mask, const pack& a, const pack& b)
+    MICROFACET_EACH(pack, mask.v[k] ? a.v[k] : b.v[k])
+  MICROFACET_INLINE friend integers bits(const pack& a) MICROFACET_EACH(integers, a.v[k])
+  MICROFACET_INLINE friend pack from_bits(const integers& a, const pack&)  // the pack only names the type
+    MICROFACET_EACH(pack, a.v[k])
+  MICROFACET_INLINE friend pack sqrt(const pack& a) MICROFACET_EACH(pack, registers::sqrt(a.v[k]))
 #if MICROFACET_FUSED
-    MICROFACET_UNARY(registers::fused(a.v[k], b.v[k], c.v[k]))
+  MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c)
+    MICROFACET_EACH(pack, registers::fused(a.v[k], b.v[k], c.v[k]))
 #else
-    return a * b + c;
+  MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c) { return a * b + c; }
 #endif
-  }
-#undef MICROFACET_UNARY
+  // clang-format on
+#undef MICROFACET_EACH
 };
 
 template <class T, std::size_t B, int K>

@@ -73,4 +73,10 @@ MICROFACET_FUSED_REGISTER(__m512d, _mm512, pd)
 #undef MICROFACET_FUSED_REGISTER
 #endif
 
+#if defined(__AVX512F__)
+// a 2^n for a whole n.
+MICROFACET_INLINE __m512 times_power(__m512 a, __m512 n) { return _mm512_scalef_ps(a, n); }
+MICROFACET_INLINE __m512d times_power(__m512d a, __m512d n) { return _mm512_scalef_pd(a, n); }
+#endif
+
 }  // namespace microfacet::registers

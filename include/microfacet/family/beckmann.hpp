@@ -39,26 +39,28 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_excess
                                                            "deon2020hitchhiker"};
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
 
-  T P22(const double_double<T>& r2) const { return exp(-r2) * T(1 / pi); }
+  T P22(const double_double<T>& r2) const { return times_exp_minus(T(1 / pi), r2); }
   MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
-    // Where 1/z^2 would overflow, D is zero.
-    const T z = maximum(z_argument, T(1) / largest_slope<T>()), reciprocal = T(1) / (z * z);
-    const T value = exp<2 * lift<T>>(-quotient(h2, two_prod(z, z), reciprocal)), scale = lowered(reciprocal);
-    return rounded(T(value * scale)) * (scale * T(1 / pi));
+    // Where 1/z^4 would overflow, D is zero.
+    const T z = maximum(z_argument, T(single ? 1e-9 : 1e-75)), reciprocal = T(1) / (z * z);
+    return times_exp_minus(T(square(reciprocal) * T(1 / pi)), quotient(h2, two_prod(z, z), reciprocal));
   }
-  T survival(const double_double<T>& r2) const { return exp<8>(-r2) * T(0x1p-8); }
+  T survival(const double_double<T>& r2) const { return times_exp_minus(T(1), r2); }
   T radius2(const T& xi) const { return -log1p(-xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<lift<T>>(-t.squared) * rounded(lowered(T(T(1 / sqrt_pi) * factor)));
+    return times_exp_minus(T(T(1 / sqrt_pi) * factor), t.squared);
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(
-        t, [](const slope<T>& x) { return T(0.5) * exp(-x.squared) * erfc_scaled(x.value.high); });
+    return symmetric_sf(t, [](const slope<T>& x) {
+      return times_exp_minus(T(T(0.5) * erfc_scaled(x.value.high)), x.squared);
+    });
   }
-  T slope_excess(const slope<T>& x) const { return T(0.5) * exp(-x.squared) * ierfc_scaled(x.value.high); }
+  T slope_excess(const slope<T>& x) const {
+    return times_exp_minus(T(T(0.5) * ierfc_scaled(x.value.high)), x.squared);
+  }
   fraction<T> lifted_excess(const slope<T>& x) const {
     const auto [numerator, denominator] = ierfc_scaled_fraction(x.value.high);
-    return {T(0.5) * exp<lift<T>>(-x.squared) * numerator, denominator};
+    return {times_exp_minus(lifted(T(T(0.5) * numerator)), x.squared), denominator};
   }
 
   // What smith/visible/slope.hpp asks for.

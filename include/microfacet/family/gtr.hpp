@@ -58,8 +58,8 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
     const auto narrow = alpha_ < T(1);
     const double_double<T> part = quotient(select(narrow, h2, z2), smaller() * length2);
     const T reciprocal = T(1) / length2.high;
-    const T fall = exp<lift<T>>(-(log1p_double_double(exact_span() * part) * double_double<T>(gamma_)));
-    return rounded(T(rounded(T(fall * lowered(norm_))) * reciprocal)) * reciprocal;
+    const T fall = times_exp_minus(norm_, gamma_ * log1p_double_double(exact_span() * part));
+    return rounded(T(fall * reciprocal)) * reciprocal;
   }
 
   T survival(const double_double<T>& r2) const {
@@ -68,7 +68,7 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
     const double_double<T> v = log1p_double_double(exact_span() * ratio(r2));
     // phi(-x) = exp(-x) phi(x): the two forms are equal, and each overflows where the other does not.
     const T gl = g_ * span_ * l_over_span;
-    const T ratio = select(g_ > T(0), T(exp(-(v * double_double<T>(g_))) * expm1_over(T(-gl)) / down_),
+    const T ratio = select(g_ > T(0), T(exp(-(g_ * v)) * expm1_over(T(-gl)) / down_),
                            T(expm1_over(gl) / up_));
     return minimum(T(l_over_span / omega_ * ratio), T(1));
   }
@@ -117,7 +117,7 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
 
   static double_double<T> bounded(const double_double<T>& r2) {
     const T most = square(largest_slope<T>());
-    return {minimum(r2.high, most), select(r2.high > most, T(0), r2.low)};
+    return {minimum(r2.high, most), low_where(r2.high <= most, r2)};
   }
   detail::gtr_logarithmic<T> closed_marginal(const slope<T>& x) const {
     return {x.value.high, a2_, span_, omega_};
@@ -127,8 +127,9 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
   }
   // |1 - alpha^2|, and (exp(V) - 1) over it, with the digits that an exponent needs.
   double_double<T> exact_span() const {
+    if constexpr (one_number<T>) return span_;
     const double_double<T> span = larger() + -smaller();
-    return fast_two_sum(span.high, span.low);
+    return fast_two_sum(span.high, low_of(span));
   }
   double_double<T> ratio(const double_double<T>& r2_argument) const {
     const double_double<T> r2 = bounded(r2_argument);

@@ -24,28 +24,30 @@ namespace microfacet {
 
 namespace detail {
 
-// 2 K_0(2y) and 2y K_1(2y) at y and y^2: round 0 as log(y) A(y^2) + B(y^2), fitted together, beyond as
+// 2 K_0(2y) and 2y K_1(2y) at y^2, or at y itself: round 0 as log(y) A(y^2) + B(y^2), fitted together, beyond as
 // exp(-2y) times a rational function.
 template <class T>
 class k0_functions {
  public:
-  explicit k0_functions(const double_double<T>& y2) : k0_functions(sqrt(y2), y2.high) {}
-  k0_functions(const double_double<T>& y, const T& y2)
-      : near_(y.high < T(0.5625)), y_(minimum(maximum(y.high, smallest<T>()), T(1e3))), y2_(y2), decay_(y) {}
+  explicit k0_functions(const double_double<T>& y2)
+      : k0_functions(T(sqrt(y2.high)), y2.high, y2.high < T(square(meeting))) {
+    if constexpr (!one_number<T>) rest_ = residual(y2.high, root_, root_) + low_of(y2);
+  }
+  k0_functions(const T& y, const T& y2) : k0_functions(y, y2, y < T(meeting)) {}
 
-  template <int Bias = 0>
-  T density() const {  // 2^Bias 2 K_0(2y)
+  // factor 2 K_0(2y)
+  MICROFACET_INLINE T density(const T& factor = T(1)) const {
     using namespace coefficients;
     const auto inside = [&] {
-      const T value =
-          multiply_add(logarithm(), polynomial(by_precision<T>(k0_near_log_32, k0_near_log_64), y2_),
-                       T(y2_ * polynomial(by_precision<T>(k0_near_32, k0_near_64), y2_)));
-      return T(T(std::ldexp(1.0, Bias)) * value);
+      return T(factor *
+               multiply_add(logarithm(), polynomial(by_precision<T>(k0_near_log_32, k0_near_log_64), y2_),
+                            T(y2_ * polynomial(by_precision<T>(k0_near_32, k0_near_64), y2_))));
     };
     const auto outside = [&] {
-      return T(exp<Bias>(T(-2) * decay_) *
-               polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_) /
-               (polynomial(by_precision<T>(k0_far_denominator_32, k0_far_denominator_64), y_) * sqrt(y_)));
+      const T denominator = polynomial(by_precision<T>(k0_far_denominator_32, k0_far_denominator_64), y_);
+      const T inverse = T(1) / (denominator * sqrt(y_));
+      const T numerator = polynomial(by_precision<T>(k0_far_numerator_32, k0_far_numerator_64), y_);
+      return times_exp(T(factor * (numerator * inverse)), square(T(denominator * inverse)));
     };
     return select_lazy(near_, inside, outside);
   }
@@ -60,17 +62,29 @@ class k0_functions {
   }
   T beyond() const {
     using namespace coefficients;
-    return exp<8>(T(-2) * decay_) * sqrt(y_) *
-           polynomial(by_precision<T>(k1_far_numerator_32, k1_far_numerator_64), y_) /
-           (T(0x1p8) * polynomial(by_precision<T>(k1_far_denominator_32, k1_far_denominator_64), y_));
+    const T denominator = polynomial(by_precision<T>(k1_far_denominator_32, k1_far_denominator_64), y_);
+    const T inverse = T(1) / (denominator * y_);
+    const T numerator = polynomial(by_precision<T>(k1_far_numerator_32, k1_far_numerator_64), y_);
+    return times_exp(T((numerator * inverse) * (y_ * sqrt(y_))), T(denominator * inverse));
   }
 
  private:
-  T logarithm() const { return T(-0.57721566490153286061) - log(y_); }
+  using mask = decltype(T(0) < T(0));
+  static constexpr double meeting = 0.5625;
 
-  decltype(T(0) < T(0)) near_;
-  T y_, y2_;
-  double_double<T> decay_;
+  k0_functions(const T& y, const T& y2, const mask& near)
+      : near_(near), y_(minimum(maximum(y, smallest<T>()), T(1e3))), y2_(y2), root_(y) {}
+
+  T logarithm() const { return T(-0.57721566490153286061) - log(y_); }
+  // factor exp(-2y), for y^2 = root^2 + rest.
+  T times_exp(const T& factor, const T& inverse_y) const {
+    T corrected = factor;
+    if constexpr (!one_number<T>) corrected = multiply_add(T(-factor * inverse_y), rest_, factor);
+    return times_exp_minus(corrected, double_double<T>(root_ + root_));
+  }
+
+  mask near_;
+  T y_, y2_, root_, rest_ = T(0);
 };
 
 }  // namespace detail
@@ -82,16 +96,17 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
   static constexpr std::string_view name = "k0";
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
 
+  static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+
   T P22(const double_double<T>& r2) const { return peaked(detail::k0_functions<T>(r2), r2.high); }
   T P22_of_slope(const T& y) const { return peaked(detail::k0_functions<T>(y, T(y * y)), y); }
   MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
-    // Where 1/z^2 would overflow, D is zero.
-    const T z = maximum(z_argument, T(T(1) / largest_slope<T>())), reciprocal = T(1) / (z * z);
+    // Where 1/z^4 would overflow, D is zero.
+    const T z = maximum(z_argument, T(single ? 1e-9 : 1e-75)), reciprocal = T(1) / (z * z);
     const double_double<T> r2 = quotient(h2, two_prod(z, z), reciprocal);
-    const double_double<T> finite(minimum(r2.high, T(1e30)), r2.low);  // a fast root of infinity may be nan
-    const T scale = lowered(reciprocal);
-    const T once = rounded(T(detail::k0_functions<T>(finite).template density<2 * lift<T>>() * scale));
-    return select(r2.high == T(0), infinite<T>(), T(once * (scale * T(1 / pi))));
+    const double_double<T> finite(minimum(r2.high, T(1e30)), low_of(r2));  // a fast root of infinity may be nan
+    const T value = detail::k0_functions<T>(finite).density(T(square(reciprocal) * T(1 / pi)));
+    return select(r2.high == T(0), infinite<T>(), value);
   }
   T survival(const double_double<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }
   T radius2(const T& xi) const { return square(radius(xi)); }
@@ -121,14 +136,14 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
         [&] { return T(select(xi_argument == T(0), T(0), y)); });
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<lift<T>>(T(-2) * abs(t.value)) * rounded(lowered(factor));
+    return times_exp_minus(factor, twice(abs(t.value)));
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [](const slope<T>& x) { return T(0x1p-9) * exp<8>(T(-2) * x.value); });
+    return symmetric_sf(t, [](const slope<T>& x) { return times_exp_minus(T(0.5), twice(x.value)); });
   }
-  T slope_excess(const slope<T>& x) const { return T(0.25) * exp(T(-2) * x.value); }
+  T slope_excess(const slope<T>& x) const { return times_exp_minus(T(0.25), twice(x.value)); }
   fraction<T> lifted_excess(const slope<T>& x) const {
-    return {T(0.25) * exp<lift<T>>(T(-2) * x.value), T(1)};
+    return {times_exp_minus(lifted(T(0.25)), twice(x.value)), T(1)};
   }
 
   // With the probability of the area below the horizon, xi0 small, the slope is that which -|x| sees; else it

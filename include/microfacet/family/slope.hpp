@@ -14,11 +14,6 @@ struct slope {
   slope(const T& t) : slope(double_double<T>(t)) {}
   slope(const double_double<T>& t) : slope(t, square(t)) {}
   slope(const double_double<T>& t, const double_double<T>& t2) : value(t), squared(t2) {}
-  // From the exact square, `root` being its square root to rounding.
-  static slope of_square(const T& root, const double_double<T>& t2) {
-    const T rest = residual(t2.high, root, root) + t2.low;
-    return slope({root, T(0.5) * rest / maximum(root, smallest<T>())}, t2);
-  }
 };
 
 template <class T>

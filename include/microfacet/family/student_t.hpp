@@ -43,14 +43,13 @@ class student_t
         inverse_k_(quotient(double_double<T>(T(1)), double_double<T>(k_))) {}
 
   T zero_or_nan() const { return T(0) * k_; }
-  T P22(const double_double<T>& r2) const { return power(r2, T(k_ + T(1))) * T(1 / pi); }
+  T P22(const double_double<T>& r2) const { return power(T(1 / pi), r2, T(k_ + T(1))); }
   // z^(2 gamma - 4) (z^2 + h2/k)^-gamma, in one exponent.
   MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
     const T least = T(single ? 1e-13 : 1e-140), z = maximum(z_argument, least);
     const double_double<T> z2 = two_prod(z, z), gamma = two_sum(k_, T(1)), product = h2 * inverse_k_;
     // Near the largest number a product is not split without overflow.
-    const double_double<T> steepness(product.high,
-                                     select(product.high < T(largest_ratio), product.low, T(0)));
+    const double_double<T> steepness(product.high, low_where(product.high < T(largest_ratio), product));
     const auto grazing = (z_argument < least) | (steepness.high * T(1 / largest_ratio) > z2.high);
     // Where z^2 is nothing beside the other term, and the rounding of z^2 underflows.
     const auto power_of_z = [&] {
@@ -62,14 +61,14 @@ class student_t
       const double_double<T> exponent = log1p_double_double(quotient(steepness, z2)) * gamma,
                              rest = log_double_double(z2);
       const double_double<T> sum = two_sum(exponent.high, T(T(2) * rest.high));
-      return double_double<T>(sum.high, T(sum.low + (exponent.low + T(2) * rest.low)));
+      return double_double<T>(sum.high, T(low_of(sum) + (low_of(exponent) + T(2) * low_of(rest))));
     };
     return exp(-select_lazy(grazing, power_of_z, in_one)) * T(1 / pi);
   }
-  T survival(const double_double<T>& r2) const { return power<8>(r2, k_) * T(0x1p-8); }
+  T survival(const double_double<T>& r2) const { return power(T(1), r2, k_); }
   // Of a slope whose square may be infinite.
   T survival_of_slope(const T& r) const {
-    return exp<8>(-(growth(slope<T>(r)) * double_double<T>(k_))) * T(0x1p-8);
+    return times_exp_minus(T(1), k_ * growth(slope<T>(r)));
   }
   T radius2(const T& xi) const { return square(radius(xi)); }
   // For gamma near 1 slopes reach beyond the square root of the largest number.
@@ -78,8 +77,7 @@ class student_t
     return sqrt((T(0) - depth) * expm1_over(growth)) * exp(T(-0.5) * growth);
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return exp<lift<T>>(-(growth(t) * double_double<T>(T(k_ + T(0.5))))) *
-           rounded(lowered(T(norm_ * factor)));
+    return times_exp_minus(T(norm_ * factor), T(k_ + T(0.5)) * growth(t));
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& x) {
@@ -93,7 +91,7 @@ class student_t
   fraction<T> lifted_excess(const slope<T>& x) const {
     const T k = nan_unless(k_ > T(parameters[0].lower - 1.0), k_);
     const auto factor = [&](const T& y, const T& q) { return student::excess(k, y, q); };
-    return {times_power<lift<T>>(x, k, factor), T(1)};
+    return {times_power(x, k, factor, lifted(T(1))), T(1)};
   }
 
   // What smith/visible/slope.hpp asks for.
@@ -159,17 +157,16 @@ class student_t
   }
 
  private:
-  // 2^Bias A(r2)^(-exponent), and that times a function of r2/k and log A.
-  template <int Bias = 0>
-  T power(const double_double<T>& r2, const T& exponent) const {
-    return exp<Bias>(-(log1p_double_double(r2 * inverse_k_) * double_double<T>(exponent)));
+  // scale A(r2)^(-exponent), and that times a function of r2/k and log A.
+  T power(const T& scale, const double_double<T>& r2, const T& exponent) const {
+    return times_exp_minus(scale, exponent * log1p_double_double(r2 * inverse_k_));
   }
-  template <int Bias = 0, class Factor>
-  T times_power(const slope<T>& t, const T& exponent, const Factor& factor) const {
+  template <class Factor>
+  T times_power(const slope<T>& t, const T& exponent, const Factor& factor, const T& scale = T(1)) const {
     const double_double<T> q = growth(t), y = t.squared * inverse_k_;
     // Both parts, as q has them: beside an underflowing product `low` may be more than a rounding.
     const T most = square(largest_slope<T>()), whole = select(y.high < most, T(y.high + y.low), most);
-    return exp<Bias>(-(q * double_double<T>(exponent))) * factor(whole, q.high);
+    return times_exp_minus(T(scale * factor(whole, q.high)), exponent * q);
   }
   // log A(t^2), also where t^2 is infinite.
   double_double<T> growth(const slope<T>& t) const {
@@ -178,7 +175,7 @@ class student_t
     return select_lazy(
         steep,
         [&] {
-          return T(2) * log_double_double(double_double<T>(select(steep, size, T(1)))) +
+          return twice(log_double_double(double_double<T>(select(steep, size, T(1))))) +
                  log_double_double(inverse_k_);
         },
         [&] { return log1p_double_double(t.squared * inverse_k_); });

@@ -23,10 +23,10 @@ fraction<T> sigma_below(const Family& family, const T& c, const double_double<T>
     // Beyond the largest slope, and at s = 0, nothing is left.
     const T least_ratio = T(1) / square(largest_slope<T>());
     const auto inside = s2.high > multiply_add(T(c * c), least_ratio, smallest<T>());
-    const double_double<T> divisor(select(inside, s2.high, T(1)), s2.low);
+    const double_double<T> divisor(select(inside, s2.high, T(1)), low_of(s2));
     const T reciprocal = T(1) / divisor.high, s = sqrt(divisor.high);
-    const slope<T> x =
-        slope<T>::of_square(T(abs(c) * s * reciprocal), quotient(two_prod(c, c), divisor, reciprocal));
+    const slope<T> x(root_quotient(T(abs(c)), divisor, s, T(s * reciprocal)),
+                     quotient(two_prod(c, c), divisor, reciprocal));
     fraction<T> below{T(0), T(1)};
     if constexpr (scaled_excess<Family>) {
       below = family.lifted_excess(x);

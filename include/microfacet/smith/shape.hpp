@@ -7,6 +7,7 @@
 #pragma once
 
 #include <limits>
+#include <type_traits>
 
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
@@ -18,7 +19,7 @@ namespace microfacet {
 // digits than a T has.
 template <class T>
 double_double<T> valid_alpha(const double_double<T>& alpha) {
-  return {inside(roughness, alpha.high), alpha.low};
+  return {inside(roughness, alpha.high), low_of(alpha)};
 }
 
 // sqrt(p^2 + q^2) without the squares' under- and overflow.
@@ -36,22 +37,31 @@ inline constexpr T largest_cosine = T(1) + 8 * std::numeric_limits<T>::epsilon()
 // A direction in the plane y = 0 by its cosine u in [-1, 1] alone; beyond largest_cosine its z is nan.
 template <class T>
 struct cosine {
+  // 1 - u^2 keeps its digits as u -> 1: rounded once where the hardware does it, else as a sum of two or, in one
+  // number, as a product.
+  static constexpr bool rounds_once = MICROFACET_FUSED && elementary::has_lanes<T>;
   T z;
-  double_double<T> sine2;  // 1 - u^2 keeps its digits as u -> 1
+  std::conditional_t<rounds_once, T, double_double<T>> sine2;
 
   explicit cosine(const T& u)
       : z(select_lazy(
             !(abs(u) <= T(1)), [&] { return bounded(u); }, [&] { return u; })),
-        sine2(one_minus(two_prod(z, z))) {}
+        sine2(one_minus_square(z)) {}
 
  private:
   static T bounded(const T& u) {
     const auto valid = abs(u) <= T(largest_cosine<typename scalar_traits<T>::real>);
     return nan_unless(valid, minimum(maximum(u, T(-1)), T(1)));
   }
-  static double_double<T> one_minus(const double_double<T>& a) {
-    const double_double<T> rest = fast_two_sum(T(1), T(-a.high));
-    return fast_two_sum(rest.high, T(rest.low - a.low));
+  static auto one_minus_square(const T& u) {
+    if constexpr (rounds_once) {
+      return multiply_add(T(-u), u, T(1));
+    } else if constexpr (one_number<T>) {
+      return double_double<T>((T(1) - u) * (T(1) + u));
+    } else {
+      const double_double<T> square = two_prod(u, u), rest = fast_two_sum(T(1), T(-square.high));
+      return fast_two_sum(rest.high, T(low_of(rest) - low_of(square)));
+    }
   }
 };
 
@@ -101,7 +111,7 @@ class isotropic_shape {
   T along_x() const { return alpha_.high; }
   T least() const { return alpha_.high; }
   T inverse_along_x() const { return inverse_.high; }
-  double_double<T> standard(const T& p) const { return double_double<T>(p) * inverse_; }
+  double_double<T> standard(const T& p) const { return p * inverse_; }
   void to_standard(T& x, T& y) const { x = x * alpha_.high, y = y * alpha_.high; }
   void to_surface(T& p, T& q) const { p = p * alpha_.high, q = q * alpha_.high; }
 
@@ -142,7 +152,7 @@ class anisotropic_shape {
   T along_x() const { return along_x_.high; }
   T least() const { return minimum(alpha_x_.high, alpha_y_.high); }
   T inverse_along_x() const { return inverse_.high; }
-  double_double<T> standard(const T& p) const { return double_double<T>(p) * inverse_; }
+  double_double<T> standard(const T& p) const { return p * inverse_; }
   void to_standard(T& x, T& y) const {
     const T a = c_ * x + s_ * y, b = c_ * y - s_ * x;
     x = a * alpha_x_.high, y = b * alpha_y_.high;

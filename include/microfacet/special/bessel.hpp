@@ -107,7 +107,8 @@ struct ladder {
   // exp(-y), changed so that its square corrects h for y.low: h' = -2y h_{nu-1}.
   T decay(const double_double<T>& exact) const {
     const T e = exp(-exact.high), slope = (steps + T(1)) * (below / at / y);
-    const T low = select(abs(exact.low) < exact.high, exact.low, T(0));  // nothing corrects 0 and infinity
+    if constexpr (one_number<T>) return e;
+    const T low = select(abs(low_of(exact)) < exact.high, low_of(exact), T(0));  // nothing corrects 0 and infinity
     return e - e * (low * slope);
   }
 };

@@ -88,7 +88,7 @@ class tabulated
   // s J(|c|/s) of smith/masking.hpp, without what slope_excess does not look at.
   MICROFACET_INLINE fraction<R> sigma_below(const R& c, const double_double<R>& s2) const {
     const R divisor = maximum(s2.high, smallest<R>()), reciprocal = R(1) / divisor;
-    const double_double<R> x2 = ratio(two_prod(c, c), double_double<R>(divisor, s2.low), reciprocal);
+    const double_double<R> x2 = ratio(two_prod(c, c), double_double<R>(divisor, low_of(s2)), reciprocal);
     return {lifted(sqrt(s2.high)) * t_->slope_excess(x2), R(1)};
   }
   MICROFACET_INLINE R slope_excess(const slope<R>& x) const { return t_->slope_excess(x.squared); }
@@ -97,7 +97,9 @@ class tabulated
   // a/b, given 1/b.high; an infinite quotient is alone.
   MICROFACET_INLINE static double_double<R> ratio(const double_double<R>& a, const double_double<R>& b,
                                                   const R& reciprocal) {
-    const R q = a.high * reciprocal, rest = multiply_add(-q, b.high, a.high) + multiply_add(-q, b.low, a.low);
+    const R q = a.high * reciprocal;
+    if constexpr (one_number<R>) return q;
+    const R rest = multiply_add(-q, b.high, a.high) + multiply_add(-q, low_of(b), low_of(a));
     return {q, select(q <= largest<R>(), R(rest * reciprocal), R(0))};
   }
 

@@ -137,7 +137,7 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
     const auto from_start = nearby & !on_lower_;
     const T r = select(from_start, T(0), T(depth_ - fall(at_start_, p, v))) +
-                log_sum(select(from_start, T(1), T(N / part_)), select(from_start, change, T(0)));
+                log_of_sum(T(select(from_start, T(1), T(N / part_))), T(select(from_start, change, T(0))));
 
     const T per_d = N / d, twice = select(on_lower_, T(T(2) * per_d / d), T(0));
     const T newton =
@@ -147,10 +147,6 @@ class visible_slope_solver : visible_functions<Family, T> {
     const auto by_ratio = [&] { return T(d * relative_step(T(newton / (d * d)))); };
     const T moved = v + unless(on_lower_, by_square, by_ratio);
     return {minimum(maximum(moved, T(T(0x1p-10) * v)), largest_slope<T>()), r};
-  }
-  static T log_sum(const T& a, const T& b) {
-    const double_double<T> sum = two_sum(a, b);
-    return log_double_double(sum).high;
   }
   // 1 - exp(-z), |z| held below 2, to a few percent.
   static T relative_step(const T& z_argument) {
