@@ -26,7 +26,8 @@ from numpy.testing import assert_allclose
 import laws
 import microfacet as mf
 from microfacet import _core
-from microfacet._family import _registry
+from microfacet._docs import QUANTITIES
+from microfacet._family import registry
 
 ROOT = pathlib.Path(__file__).parent.parent
 WALK = (ROOT / "docs" / "add_a_family.md").read_text(encoding="utf-8")
@@ -102,7 +103,7 @@ def family(copy: pathlib.Path) -> Iterator[Any]:
         patch.setattr(_core, "haze", load("microfacet._core_of_the_walk.walk", core).haze, raising=False)
         module = load("microfacet._family.haze", copy / "src" / "microfacet" / "_family" / "haze.py")
         patch.setattr(mf, "haze", module, raising=False)
-        yield _registry.describe(module)
+        yield registry.describe(module)
 
 
 @needs_compiler
@@ -116,7 +117,7 @@ def test_every_law_holds(family: Any) -> None:
 @needs_compiler
 def test_docstrings_run(family: Any) -> None:
     runner = doctest.DocTestRunner()
-    for name in family.kernels.TEXT.formulas:
+    for name in QUANTITIES:
         text = getattr(family.kernels, name).__doc__
         runner.run(doctest.DocTestParser().get_doctest(text, {}, name, None, None))
     assert runner.tries > 0

@@ -1,51 +1,12 @@
-"""Docstrings of the ufuncs: what is the same for every family is written here once.
-
-A family module states its formulas and its example values in a `FamilyText`; `document` joins them with the
-meaning, domain and behaviour of the quantity and attaches the result to the ufunc.
-"""
+"""The quantities of every family: what each one means, takes and gives."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
-from dataclasses import dataclass, field
-from textwrap import fill, indent
+from dataclasses import dataclass
 
-import numpy as np
-
-__all__ = ["QUANTITIES", "Argument", "FamilyText", "document", "documented"]
-
-
-@dataclass(frozen=True)
-class FamilyText:
-    """What the docstrings of one family say that those of another do not.
-
-    Attributes
-    ----------
-    name : str
-        Name of the family, as in ``microfacet.<name>``.
-    title : str
-        How people write it.
-    parameters : mapping of str to str
-        Shape parameters after `alpha`: name and numpydoc description with the domain.
-    formulas : mapping of str to str
-        Plain-text formula of each quantity.
-    arguments : str
-        The parameters as the examples pass them, for instance ``"0.3, 2.5"``.
-    examples : mapping of str to float
-        Value of each quantity at the point of its example, to six significant digits.
-    sources : tuple of str
-        Where the formulas come from.
-    """
-
-    name: str
-    title: str
-    formulas: Mapping[str, str]
-    arguments: str
-    examples: Mapping[str, float]
-    sources: tuple[str, ...]
-    parameters: Mapping[str, str] = field(default_factory=dict)
+__all__ = ["QUANTITIES", "Argument"]
 
 
 @dataclass(frozen=True)
@@ -161,71 +122,3 @@ QUANTITIES: Mapping[str, _Quantity] = {
         "0.5",
     ),
 }
-
-_ALPHA = (
-    "Roughness, the scale of the slopes (dimensionless), in (1e-101, 1e101): in float32 any normal number."
-)
-
-
-def _wrap(text: str, prefix: str = "") -> str:
-    return fill(text, 88, initial_indent=prefix, subsequent_indent=prefix)
-
-
-def _entries(pairs: list[tuple[str, str]]) -> str:
-    return "\n".join(f"{name} : array_like\n{_wrap(text, '    ')}" for name, text in pairs)
-
-
-def _text(quantity: str, family: FamilyText) -> str:
-    about = QUANTITIES[quantity]
-    arguments = [
-        (x.name, f"{x.meaning.capitalize()} (dimensionless), {x.domain}. {x.note}".rstrip())
-        for x in about.arguments
-    ]
-    parameters = [*arguments, ("alpha", _ALPHA), *family.parameters.items()]
-    call = f"mf.{family.name}.{quantity}({about.example}, {family.arguments})"
-    value = f"{family.examples[quantity]:.6g}"
-    return f"""{about.summary} {family.title} family.
-
-{indent(family.formulas[quantity], "    ")}
-
-Parameters
-----------
-{_entries(parameters)}
-out, where, casting, order, dtype, subok
-    As of any `numpy.ufunc`.
-
-Returns
--------
-ndarray or scalar
-{_wrap(about.returns, "    ")}
-    The shape is that of all arguments broadcast together; float32 if all arguments
-    are float32 or narrower, else float64.
-
-Notes
------
-{_wrap(f"Outside the domain: {about.outside} No warning is raised. Inside, every result is a number.")}
-{_wrap("Numbers below the normal ones of the precision count as 0, as arguments and as results.")}
-
-References
-----------
-{chr(10).join(f".. [{i}] {source}" for i, source in enumerate(family.sources, 1))}
-
-Examples
---------
->>> import microfacet as mf
->>> print(f"{{{call}:.6g}}")
-{value}
-"""
-
-
-def document(kernel: np.ufunc, quantity: str, family: FamilyText) -> np.ufunc:
-    """Attach the docstring of `quantity` of `family` to its ufunc and return the ufunc."""
-    with suppress(AttributeError, TypeError):  # settable since NumPy 2.3; before, pickle searches all modules
-        kernel.__module__ = f"microfacet._family.{family.name}"
-    kernel.__doc__ = _text(quantity, family)  # type: ignore[misc]  # settable since NumPy 2.2
-    return kernel
-
-
-def documented(kernels: object, family: FamilyText) -> tuple[np.ufunc, ...]:
-    """Every ufunc of a family with its docstring, in the order of `QUANTITIES`."""
-    return tuple(document(getattr(kernels, quantity), quantity, family) for quantity in QUANTITIES)

@@ -38,6 +38,8 @@ class Distribution(Sampling):
     __slots__ = ("_calls", "_values")
 
     def __init_subclass__(cls) -> None:
+        if "kernels" in vars(cls):
+            cls.family = cls.kernels.__name__.rpartition(".")[2]
         if "__init__" in vars(cls):
             cls.__init__ = constructor(cls.__init__)  # type: ignore[method-assign]
 

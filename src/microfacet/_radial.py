@@ -189,7 +189,6 @@ class RadialNDF(StretchedDistribution):
     """
 
     __slots__ = ("_capsule", "_digest", "_handle", "error", "norm")
-    family = "radial"
     kernels = radial
     norm: float
     error: float

@@ -70,10 +70,10 @@ def _run(call: _Call, given: list[Array], outs: list[Array], work: float) -> Non
     def part(elements: slice) -> None:
         call.kernel(*(x if x.ndim == 0 or x.shape[-1] == 1 else x[..., elements] for x in arguments))
 
-    if work < WORTH_THREADS:
+    if work < WORTH_THREADS or outs[-1].ndim == 0:
         call.kernel(*arguments)
     else:
-        in_threads(part, blocks(into[0].shape[-1]))
+        in_threads(part, blocks(outs[-1].shape[-1]))
 
 
 class MaterialKernels(Value):

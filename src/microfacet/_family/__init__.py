@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from . import beckmann, bessel_k, ggx, gtr, k0, student_t
-from ._registry import Family, Parameter, describe
+from .registry import Family, Parameter, describe
 
 __all__ = ["MODULES", "Family", "Parameter", "families"]
 

@@ -63,11 +63,11 @@ def _named(name: str) -> Family:
 
 def describe(module: Any) -> Family:
     """The record of the family that `module` presents; domains and sources come from its C++ header."""
-    cls: type[Distribution] = module.DISTRIBUTION
+    cls: type[Distribution] = module.TEXT.cls
     core = cls.kernels
     own = tuple(Parameter(name, lower, upper) for name, lower, upper, _ in core.parameters)
     return Family(
-        name=module.TEXT.name,
+        name=cls.family,
         title=module.TEXT.title,
         cls=cls,
         kernels=module,
