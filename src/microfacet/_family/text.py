@@ -96,7 +96,7 @@ def _interval(lower: float, upper: float) -> str:
 
 
 def _shape(family: FamilyText, densities: str = "") -> list[tuple[str, str]]:
-    """The shape parameters and what they are, and `densities` of one whose densities have a wider interval."""
+    """The shape parameters and what they are, with `densities` where theirs is a wider interval."""
     described = []
     for name, lower, upper, of_densities in family.cls.kernels.parameters:
         meaning, note = family.parameters[name]
