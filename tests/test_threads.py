@@ -140,7 +140,7 @@ def test_blocks_make_up_the_whole(count: int, monkeypatch: pytest.MonkeyPatch) -
     np.testing.assert_array_equal(
         np.concatenate([np.arange(count)[part] for part in parts]), np.arange(count)
     )
-    assert len(parts) <= 24
+    assert len(parts) <= 12
 
 
 def test_the_first_error_ends_the_rest(monkeypatch: pytest.MonkeyPatch) -> None:

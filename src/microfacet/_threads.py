@@ -16,8 +16,8 @@ from typing import TypeVar
 __all__ = ["WORTH_THREADS", "blocks", "in_threads", "threads"]
 
 # Evaluations of a closed form, some milliseconds, of which starting threads takes a tenth.
-WORTH_THREADS = 1 << 18
-_PARTS = 8  # for each thread, so that all end at about the same time
+WORTH_THREADS = 1 << 19
+_PARTS = 4  # for each thread, so that all end at about the same time
 Part = TypeVar("Part")
 Result = TypeVar("Result")
 
