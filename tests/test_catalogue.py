@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from microfacet._checks import CheckResult, catalogue, run
-from microfacet._checks import _routes as routes
+from microfacet._checks import CheckResult, catalogue, routes, run
 
 NOTEBOOK = {
     "beckmann": "sigma_upper sigma_lower lambda_of_x shape_invariant normalization slopes_from_D"

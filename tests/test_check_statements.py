@@ -11,8 +11,7 @@ from click.testing import CliRunner
 from mpmath import mp
 from scipy.stats import chi2
 
-from microfacet._checks import CheckResult, _k0, catalogue, p_value, run
-from microfacet._checks import _routes as routes
+from microfacet._checks import CheckResult, _k0, catalogue, p_value, routes, run
 from microfacet.cli import main
 
 ITEMS = {item.id: item for item in catalogue()}

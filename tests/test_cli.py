@@ -322,13 +322,13 @@ def test_report_ends_with_its_path(run: Run, tmp_path: Path, monkeypatch: pytest
 
 
 def test_report_as_json(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from microfacet import _report
+    from microfacet._report import families
 
-    def build(path: str, *arguments: object) -> _report.Report:
+    def build(path: str, *arguments: object) -> families.Report:
         assert arguments[:3] == (("gtr",), {"gamma": 1.5}, None)
-        return _report.Report(tmp_path / path, 3, 4, 0.25)
+        return families.Report(tmp_path / path, 3, 4, 0.25)
 
-    monkeypatch.setattr(_report, "build", build)
+    monkeypatch.setattr(families, "build", build)
     result = run("report", "--family", "gtr", "--gamma", "1.5", "--json")
     assert json.loads(result.stdout) == {
         "path": str(tmp_path / "report.html"),

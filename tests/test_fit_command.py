@@ -169,7 +169,7 @@ def test_a_page_that_fails_leaves_the_old_one(run: Run, file: Path, monkeypatch:
     def fail(*_: object, **__: object) -> str:
         raise ValueError("on the way")
 
-    monkeypatch.setattr("microfacet._report._page.set_page", fail)
+    monkeypatch.setattr("microfacet._report.surfaces.set_page", fail)
     assert run(file, "--family", "beckmann", "--report", target).exit_code == 2
     assert target.read_text() == "old"
     assert len(list(file.parent.iterdir())) == 2
@@ -262,7 +262,7 @@ def test_a_job_travels_and_its_result_too(file: Path) -> None:
     job = pickle.loads(pickle.dumps(fits.Job(str(file), families=("ggx",), scales=False)))
     outcome = fits.attempt(job)
     assert isinstance(outcome, fits.Fitted)
-    assert outcome.surface is None
+    assert outcome.measured is None
     assert pickle.loads(pickle.dumps(outcome)).results == outcome.results
 
 

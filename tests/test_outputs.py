@@ -17,8 +17,7 @@ from click.testing import CliRunner
 
 from limits import HANG
 from microfacet._files import replacing
-from microfacet._report import _content, _page
-from microfacet._report.fit import _content as _fit_content
+from microfacet._report import families, surfaces
 from microfacet.cli import main
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="modes, pipes and devices of POSIX")
@@ -39,10 +38,10 @@ each_writer = pytest.mark.parametrize("writer", WRITERS)
 def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder of our own; pages, which take seconds, are set without their content."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(_content, "collect", lambda *_: SimpleNamespace(passed=0, total=0))
-    monkeypatch.setattr(_page, "render", lambda *_: "<!DOCTYPE html>")
-    monkeypatch.setattr(_fit_content, "collect", lambda *_: None)
-    monkeypatch.setattr(_page, "set_page", lambda *_, **__: "<!DOCTYPE html>")
+    monkeypatch.setattr(families.content, "collect", lambda *_: SimpleNamespace(passed=0, total=0))
+    monkeypatch.setattr(families, "set_page", lambda *_: "<!DOCTYPE html>")
+    monkeypatch.setattr(surfaces, "collect", lambda *_: None)
+    monkeypatch.setattr(surfaces, "set_page", lambda *_, **__: "<!DOCTYPE html>")
     np.save("slopes.npy", np.random.default_rng(3).normal(size=(400, 2)))
 
 

@@ -13,9 +13,10 @@ from click.testing import CliRunner
 
 import browser
 import microfacet as mf
-from microfacet import _checks, _report
+from microfacet import _checks
 from microfacet._checks import CheckItem, CheckResult
-from microfacet._report import _content, _cross, _figures, _formulas, _mathml, _page, _svg
+from microfacet._report import figure, mathml
+from microfacet._report.families import build, content, cross, formulas, set_page
 from microfacet.cli import main
 from report_pages import Page, rough_surface
 
@@ -35,22 +36,22 @@ def result_of(item: CheckItem) -> CheckResult:
 def formulas_and_checks() -> str:
     """The page of all families, every formula and every check, without figures."""
     items = _checks.catalogue()
-    texts = _formulas.load().families
+    texts = formulas.load().families
     groups = [
-        _content.CheckGroup(
+        content.CheckGroup(
             family.name, family.title, tuple((i, result_of(i)) for i in items if i.family == family.name)
         )
         for family in mf.families()
     ]
-    sections = [_content.FamilySection(family, texts[family.name], ()) for family in mf.families()]
-    overview = _figures.FigureBlock("overview", (), "No figures here.")
-    return _page.render(_content.Content(overview, tuple(sections), (), tuple(groups), None), 1.0)
+    sections = [content.FamilySection(family, texts[family.name], ()) for family in mf.families()]
+    overview = figure.FigureBlock("overview", (), "No figures here.")
+    return set_page(content.Content(overview, tuple(sections), (), tuple(groups), None), 1.0)
 
 
 @pytest.fixture(scope="module")
 def with_figures(tmp_path_factory: pytest.TempPathFactory) -> str:
     path = tmp_path_factory.mktemp("layout") / "page.html"
-    _report.build(path, ["ggx"], {"alpha": 0.3}, rough_surface(), quick=True)
+    build(path, ["ggx"], {"alpha": 0.3}, rough_surface(), quick=True)
     return path.read_text("utf-8")
 
 
@@ -104,8 +105,8 @@ def test_captions_name_figures_by_what_they_show(html: str) -> None:
 
 
 def test_captions_of_comparisons_do_too() -> None:
-    with _svg.style():
-        blocks = list(_cross.comparison_figures([family.name for family in mf.families()], None))
+    with figure.style():
+        blocks = list(cross.comparison_figures([family.name for family in mf.families()], None))
     assert len(blocks) == 3
     for block in blocks:
         assert not re.search(r"\b(left|right)\b", block.caption, re.I), block.caption
@@ -113,7 +114,7 @@ def test_captions_of_comparisons_do_too() -> None:
 
 def test_a_display_is_broken_into_its_statements() -> None:
     for latex in (r"a=b,\quad c=d", r"a=b, \quad c=d", r"a=b,\quad c=d ,  \quad e"):
-        pieces = _mathml.display_pieces(latex)
+        pieces = mathml.display_pieces(latex)
         assert len(pieces) == latex.count("quad") + 1
     for item in _checks.catalogue():
         assert all("quad" not in piece for piece in re.split(r",\s*\\quad", item.latex)), item.id

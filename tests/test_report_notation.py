@@ -9,7 +9,8 @@ import pytest
 
 import microfacet as mf
 from microfacet import _checks
-from microfacet._report import _formulas, _mathml
+from microfacet._report import mathml
+from microfacet._report.families import formulas
 
 ROOT = Path(__file__).parent.parent
 ITEMS = _checks.catalogue()
@@ -29,9 +30,9 @@ DEFINITION = re.compile(r"(?<![\w\\^{(])([xy])\s*=(?!=)\s*([^,;$]+)")
 
 def entries() -> list[tuple[str, str]]:
     """Each formula with the words around it: what a reader has before him."""
-    formulas = _formulas.load()
-    rows = [("common", row) for row in formulas.common]
-    rows += [(name, row) for name, text in formulas.families.items() for row in text.formulas]
+    shown = formulas.load()
+    rows = [("common", row) for row in shown.common]
+    rows += [(name, row) for name, text in shown.families.items() for row in text.formulas]
     found = [(f"{name}: {row.name}", "; ".join((*row.latex, row.remark))) for name, row in rows]
     return found + [(item.id, f"{item.latex}; {item.statement}") for item in ITEMS]
 
@@ -83,17 +84,17 @@ def outside(text: str) -> str:
 @pytest.mark.parametrize("item", ITEMS, ids=lambda item: item.id)
 def test_statements_have_their_formulas_in_mathml(item: _checks.CheckItem) -> None:
     assert not ASCII_FORMULA.search(outside(item.statement)), item.statement
-    html = _mathml.prose(item.statement)
+    html = mathml.prose(item.statement)
     assert html.count("<math") == item.statement.count("$") // 2
     assert "$" not in html
     assert "merror" not in html
-    assert _mathml.display(item.latex).startswith("<math")
+    assert mathml.display(item.latex).startswith("<math")
 
 
 def test_texts_of_formulas_have_theirs_too() -> None:
-    formulas = _formulas.load()
-    texts = [text.summary for text in formulas.families.values()]
-    for entry in (*formulas.common, *(f for text in formulas.families.values() for f in text.formulas)):
+    shown = formulas.load()
+    texts = [text.summary for text in shown.families.values()]
+    for entry in (*shown.common, *(f for text in shown.families.values() for f in text.formulas)):
         texts += [entry.name, entry.remark]
     for text in texts:
         assert not ASCII_FORMULA.search(outside(text)), text

@@ -17,7 +17,7 @@ __all__ = ["EXTRAS", "installed", "needed", "require", "sentence"]
 EXTRAS = {
     "cli": ("click", "rich", "mpmath"),
     "plot": ("matplotlib",),
-    "report": ("matplotlib", "mpmath", "jinja2", "latex2mathml"),
+    "report": ("matplotlib", "mpmath", "jinja2", "latex2mathml", "pybtex"),
     "surface": ("SurfaceTopography", "OpenImageIO", "tifffile"),
     "symbolic": ("sympy",),
     "parquet": ("pyarrow",),

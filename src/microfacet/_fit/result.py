@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from microfacet._value import Value
 
-__all__ = ["FitResult", "Goodness", "TableFit"]
+__all__ = ["FitResult", "Goodness", "TableFit", "remarks"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,3 +140,14 @@ class TableFit(Value):
     standard_errors: dict[str, float]
     objective: float
     ndf: Any
+
+
+def remarks(results: Sequence[FitResult]) -> list[str]:
+    """What fits remark, each remark once, with the families it is about unless it is all of them."""
+    about: dict[str, list[str]] = {}
+    for result in results:
+        for note in result.notes:
+            about.setdefault(note, []).append(result.family)
+    return [
+        note if len(names) == len(results) else f"{', '.join(names)}: {note}" for note, names in about.items()
+    ]

@@ -95,7 +95,7 @@ def fit(
             jobs, "none" if report else dask, progress, lambda line: click.echo(line, err=True)
         )
         if report and isinstance(outcomes[0], fits.Fitted):
-            from microfacet._report.fit import write
+            from microfacet._report.surfaces import write
 
             write(report, outcomes[0], _command(), progress)
     if len(files) > 1:

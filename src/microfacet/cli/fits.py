@@ -12,6 +12,7 @@ from typing import Any
 
 import microfacet as mf
 from microfacet._fit.prediction import ANGLES, Prediction, predict
+from microfacet._fit.result import remarks
 from microfacet._optional import installed, sentence
 from microfacet.cli import surfaces
 from microfacet.cli.printing import finite
@@ -43,21 +44,16 @@ class Job:
         chosen = self.families or None
         options = {} if self.max_slopes is None else {"max_slopes": self.max_slopes}
         found = self._terrain() if self.terrain else surfaces.load(self.file, **self.reading)
+        fitted_to = found.values if isinstance(found, mf.SlopeSample) else found
+        results = mf.fit(fitted_to, chosen, progress=progress, **options)
+        fitted = Fitted(found.source, found.steps, results, predict(results, self.angles), found)
         if isinstance(found, mf.SlopeSample):
-            results = mf.fit(found.values, chosen, progress=progress, **options)
-            predictions = predict(results, self.angles)
-            return Fitted(found.source, found.steps, results, predictions, slopes=found.values)
-        surface = found
-        results = mf.fit(surface, chosen, progress=progress, **options)
-        return Fitted(
-            surface.source,
-            surface.steps,
-            results,
-            predict(results, self.angles),
-            surface,
-            pixel=math.sqrt(math.prod(surface.pixel_size)),
-            roughness=mf.roughness(surface),
-            scales=mf.fit_scales(surface, families=chosen, progress=progress) if self.scales else None,
+            return fitted
+        return replace(
+            fitted,
+            pixel=math.sqrt(math.prod(found.pixel_size)),
+            roughness=mf.roughness(found),
+            scales=mf.fit_scales(found, families=chosen, progress=progress) if self.scales else None,
         )
 
     def _terrain(self) -> mf.Surface:
@@ -73,24 +69,15 @@ class Fitted:
     steps: tuple[str, ...]
     results: list[mf.FitResult]
     predictions: list[Prediction]
-    surface: mf.Surface | None = None
-    slopes: Any = None  # where there is no surface
+    measured: mf.Surface | mf.SlopeSample | None = None
     pixel: float | None = None  # metres; of two sizes the geometric mean
     roughness: Any = None
     scales: mf.ScaleFit | None = None
 
     @property
     def notes(self) -> list[str]:
-        """What the fits remark, each remark once, with the families it is about unless it is all of them."""
-        about: dict[str, list[str]] = {}
-        for result in self.results:
-            for note in result.notes:
-                about.setdefault(note, []).append(result.family)
-        found = [
-            note if len(names) == len(self.results) else f"{', '.join(names)}: {note}"
-            for note, names in about.items()
-        ]
-        return [*found, *(self.scales.notes if self.scales else ())]
+        """What the fits remark, and what the fits at several lags do."""
+        return [*remarks(self.results), *(self.scales.notes if self.scales else ())]
 
     def as_dict(self) -> dict[str, Any]:
         """As a record for JSON: what was done, the ranked families, and what follows from them."""
@@ -152,7 +139,7 @@ def run(
 def attempt(job: Job) -> Fitted | Failure:
     """On a worker: without the map, which would have to travel."""
     try:
-        return replace(job.run(), surface=None, slopes=None)
+        return replace(job.run(), measured=None)
     except (ValueError, ImportError, OSError) as error:
         return Failure(job.file, " ".join(str(error).split()))
     except MemoryError:

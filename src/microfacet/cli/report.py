@@ -47,7 +47,7 @@ def report(
       microfacet report --family k0 --family beckmann --alpha 0.3
       microfacet report --surface scan.x3p --output scan.html
     """
-    from microfacet._report import build
+    from microfacet._report.families import build
 
     if surface and terrain:
         raise click.UsageError("--surface and --terrain exclude each other")

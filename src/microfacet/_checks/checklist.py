@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from microfacet._checks import _beckmann, _bessel_k, _ggx, _gtr, _k0, _student_t
-from microfacet._checks import _routes as routes
-from microfacet._checks._check import Check, CheckItem, CheckResult
+from microfacet._checks import beckmann, bessel_k, ggx, gtr, k0, routes, student_t
+from microfacet._checks.check import Check, CheckItem, CheckResult
 
 # The order of the notebooks; GGX, which is not among them, stands last.
-TABLES = {module.FAMILY: module for module in (_beckmann, _gtr, _student_t, _k0, _bessel_k, _ggx)}
+TABLES = {module.FAMILY: module for module in (beckmann, gtr, student_t, k0, bessel_k, ggx)}
 
 
 #: What the second routes have been made for, the contract's ranges with room; beyond, a failure says nothing.

@@ -14,9 +14,8 @@ from scipy.stats import qmc
 
 import microfacet as mf
 from microfacet import plot
-from microfacet._report._figures import REFERENCE, SERIES, FigureBlock, panel
-from microfacet._report._parameters import Example
-from microfacet._report._svg import inline_svg, name_panel
+from microfacet._report.families.parameters import Example
+from microfacet._report.figure import REFERENCE, SERIES, FigureBlock, inline_svg, name_panel, panel
 
 __all__ = ["ROUGHNESSES", "conductor_noise", "sampling_figures", "visible_slope_density"]
 

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import datetime
 import math
-import platform
 from collections.abc import Callable
 from typing import Any
 
 import jinja2
-import numpy as np
 from markupsafe import Markup, escape
 
 import microfacet
 from microfacet import _checks
-from microfacet._report import _formulas, _mathml
-from microfacet._report._content import Content
-from microfacet._report._sources import SOURCES
+from microfacet._report import mathml
+from microfacet._report.sources import sources
 
-__all__ = ["measured", "number", "render", "set_page"]
+__all__ = ["measured", "number", "set_page"]
 
 _SYMBOLS = {
     "alpha": "α",
@@ -27,20 +24,6 @@ _SYMBOLS = {
     "alpha_y": "α<sub>y</sub>",
     "rotation": "φ",
 }
-
-
-def render(content: Content, seconds: float) -> str:
-    """The complete page of the families."""
-    return set_page(
-        "report.html.j2",
-        content=content,
-        common=_formulas.load().common,
-        sources=SOURCES,
-        significance=_checks.SIGNIFICANCE,
-        python=platform.python_version(),
-        numpy=np.__version__,
-        seconds=seconds,
-    )
 
 
 def set_page(template: str, **content: Any) -> str:
@@ -53,9 +36,9 @@ def set_page(template: str, **content: Any) -> str:
         undefined=jinja2.StrictUndefined,
     )
     filters: dict[str, Callable[..., Any]] = {
-        "prose": lambda text: Markup(_mathml.prose(text)),
-        "display": lambda latex: Markup("".join(_mathml.display_pieces(latex))),
-        "inline": lambda latex: Markup(_mathml.inline(latex)),
+        "prose": lambda text: Markup(mathml.prose(text)),
+        "display": lambda latex: Markup("".join(mathml.display_pieces(latex))),
+        "inline": lambda latex: Markup(mathml.inline(latex)),
         "number": number,
         "p_value": _checks.p_value,
         "measured": measured,
@@ -101,19 +84,19 @@ def _cite(text: str) -> Markup:
 
     The title after such a short form is dropped: the list of references has it.
     """
-    if text in SOURCES:
+    works = sources()
+    if text in works:
         return _link(text)
     parts = []
     for part in text.split("; "):
-        plain = part.replace("'", "’")
-        key = next((key for key, source in SOURCES.items() if plain.startswith(source.short)), None)
+        key = next((key for key, source in works.items() if part.startswith(source.short)), None)
         if key is None:
             parts.append(escape(part))
             continue
-        rest = plain.removeprefix(SOURCES[key].short).replace(f", {SOURCES[key].title}", "")
+        rest = part.removeprefix(works[key].short).replace(f", {works[key].title}", "")
         parts.append(_link(key) + escape(rest))
     return Markup("; ").join(parts)
 
 
 def _link(key: str) -> Markup:
-    return Markup('<a href="#ref-{}">{}</a>').format(key, SOURCES[key].short)
+    return Markup('<a href="#ref-{}">{}</a>').format(key, sources()[key].short)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -13,40 +12,15 @@ from matplotlib.figure import Figure
 
 import microfacet as mf
 from microfacet import plot
-from microfacet._checks._routes import delta_integral
-from microfacet._report._parameters import Example
-from microfacet._report._svg import INK, inline_svg
+from microfacet._checks import delta_integral
+from microfacet._report.families.parameters import Example
+from microfacet._report.figure import INK, REFERENCE, SERIES, FigureBlock, inline_svg, panel
 
-__all__ = ["SERIES", "FigureBlock", "family_figures", "panel", "two_routes"]
+__all__ = ["family_figures", "two_routes"]
 
-#: Colours and dashes of curves that differ in a parameter, not in the family.
-SERIES: tuple[tuple[str, Any], ...] = tuple(
-    (plot.COLORS[name], plot.DASHES[name])
-    for name in ("ggx", "beckmann", "student_t", "gtr", "k0", "bessel_k")
-)
 DIRECTIONS = 34  # at which the two routes to sigma are compared; even, so that none lies at u = 0
 TALL = (5.4, 4.6)
 FLAT = 1e-5  # slope
-REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 1.3, "linestyle": (0, (1.2, 1.6))}
-
-
-@dataclass(frozen=True)
-class FigureBlock:
-    """One `figure` of the page: SVG panels side by side and a caption with inline formulas."""
-
-    id: str
-    panels: tuple[str, ...]
-    caption: str
-
-
-def panel(name: str, description: str, draw: Callable[[Axes], Any], legend: Any = "best") -> str:
-    """One set of axes as inline SVG; `description` is what a screen reader says."""
-    figure = Figure()
-    ax = figure.add_subplot()
-    draw(ax)
-    if legend:
-        ax.legend(loc=legend)
-    return inline_svg(figure, name, description)
 
 
 def family_figures(family: Any, example: Example) -> Iterator[FigureBlock]:

@@ -8,12 +8,9 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from microfacet._checks import _closed as closed
-from microfacet._checks import _integrals as integrals
-from microfacet._checks import _k0 as k0
-from microfacet._checks import _routes as routes
-from microfacet._checks._check import CLOSED_FORM, QUADRATURE, Check, Sides, both, notebook
-from microfacet._checks._routes import Array
+from microfacet._checks import closed, integrals, k0, routes
+from microfacet._checks.check import CLOSED_FORM, QUADRATURE, Check, Sides, both, notebook
+from microfacet._checks.routes import Array
 
 FAMILY = "bessel_k"
 GRID = tuple(

@@ -1,20 +1,22 @@
-"""What the page of a fit shows: rows of its tables and its figures."""
+"""What a page shows of a fitted surface: rows of its tables and its figures."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 import microfacet as mf
-from microfacet._report._figures import FigureBlock
-from microfacet._report._terrain import length, relief_map
-from microfacet._report.fit import _figures, _lobes
+from microfacet._fit.result import FitResult, remarks
+from microfacet._report import Progress
+from microfacet._report.figure import FigureBlock
+from microfacet._report.surfaces import figures, lobes
+from microfacet._report.surfaces.relief import length, relief_map
 
-__all__ = ["Content", "collect"]
+__all__ = ["Content", "MeasuredSurface", "collect", "measured_surface"]
 
 
 @dataclass(frozen=True)
@@ -34,18 +36,25 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Content:
-    """All that the page shows."""
+class MeasuredSurface:
+    """A surface or slopes, and the families fitted to them, as every page shows them."""
 
     source: str
-    command: str
     steps: tuple[str, ...]
     notes: tuple[str, ...]
-    warnings: tuple[str, ...]
     facts: tuple[tuple[str, str], ...]
     rows: tuple[Row, ...]
     map: FigureBlock | None
     slopes: tuple[FigureBlock, ...]
+
+
+@dataclass(frozen=True)
+class Content:
+    """All that the page of a fit shows."""
+
+    measured: MeasuredSurface
+    command: str
+    warnings: tuple[str, ...]
     scales: FigureBlock | None
     predictions: tuple[Any, ...]
     lobes: FigureBlock
@@ -53,36 +62,48 @@ class Content:
     roughness: tuple[tuple[str, str], ...]
 
 
-def collect(fitted: Any, command: str, progress: Callable[[str, int, int], None]) -> Content:
-    """Tables and figures of one fit."""
-    titles = {family.name: family.title for family in mf.families()}
-    first = fitted.results[0]
-    surface, warnings = fitted.surface, fitted.scales.notes if fitted.scales else ()
-    slopes = (surface.slopes() if surface else fitted.slopes) - np.asarray(first.mean_slope)
+def measured_surface(
+    measured: mf.Surface | mf.SlopeSample, results: Sequence[FitResult], progress: Progress = lambda *_: None
+) -> MeasuredSurface:
+    """Rows and figures of the fits to a surface or to slopes."""
+    surface = measured if isinstance(measured, mf.Surface) else None
+    slopes = measured.slopes() if isinstance(measured, mf.Surface) else measured.values
+    centred = slopes - np.asarray(results[0].mean_slope)
     blocks = []
-    figures = _figures.slope_figures(slopes, fitted.results, titles)
-    for done, block in enumerate(figures):
+    for done, block in enumerate(figures.slope_figures(centred, results, _titles())):
         progress("figures", done, 5)
         blocks.append(block)
-    return Content(
-        source=fitted.source,
-        command=command,
-        steps=fitted.steps,
-        notes=tuple(note for note in fitted.notes if note not in warnings),
-        warnings=warnings,
-        facts=_facts(fitted),
-        rows=tuple(_row(result, first, titles) for result in fitted.results),
+    return MeasuredSurface(
+        source=measured.source,
+        steps=measured.steps,
+        notes=tuple(remarks(results)),
+        facts=_facts(surface, results[0]),
+        rows=tuple(_row(result, results[0]) for result in results),
         map=relief_map(surface) if surface else None,
         slopes=tuple(blocks),
-        scales=_figures.scale_figure(fitted.scales, titles) if fitted.scales else None,
+    )
+
+
+def collect(fitted: Any, command: str, progress: Progress) -> Content:
+    """Tables and figures of the page of one fit."""
+    titles = _titles()
+    return Content(
+        measured=measured_surface(fitted.measured, fitted.results, progress),
+        command=command,
+        warnings=fitted.scales.notes if fitted.scales else (),
+        scales=figures.scale_figure(fitted.scales, titles) if fitted.scales else None,
         predictions=tuple(fitted.predictions),
-        lobes=_lobes.lobe_figure(fitted.results, titles),
+        lobes=lobes.lobe_figure(fitted.results, titles),
         titles={result.family: titles[result.family] for result in fitted.results},
         roughness=_roughness(fitted.roughness) if fitted.roughness else (),
     )
 
 
-def _row(result: Any, first: Any, titles: dict[str, str]) -> Row:
+def _titles() -> dict[str, str]:
+    return {family.name: family.title for family in mf.families()}
+
+
+def _row(result: FitResult, first: FitResult) -> Row:
     sectors = [value for value in result.goodness.sectors if math.isfinite(value)]
     parameters = [
         (name, value, result.standard_errors[name])
@@ -91,7 +112,7 @@ def _row(result: Any, first: Any, titles: dict[str, str]) -> Row:
         for name, value in result.params.items()
     ]
     return Row(
-        titles[result.family],
+        _titles()[result.family],
         result.family,
         tuple(parameters),
         result.held_out - first.held_out,
@@ -104,15 +125,14 @@ def _row(result: Any, first: Any, titles: dict[str, str]) -> Row:
     )
 
 
-def _facts(fitted: Any) -> tuple[tuple[str, str], ...]:
-    first = fitted.results[0]
+def _facts(surface: mf.Surface | None, first: FitResult) -> tuple[tuple[str, str], ...]:
     facts = [("Slopes", f"{first.n:,}".replace(",", "\u202f"))]
-    if fitted.surface:
-        ny, nx = fitted.surface.heights.shape
-        dx, dy = fitted.surface.pixel_size
+    if surface is not None:
+        ny, nx = surface.heights.shape
+        dx, dy = surface.pixel_size
         facts = [
             ("Grid", f"{nx}\u2009×\u2009{ny}, {length(dx)} × {length(dy)}"),
-            ("Lag", f"{first.lag} px, {length(first.lag * fitted.pixel)}"),
+            ("Lag", f"{surface.lag} px, {length(surface.lag * math.sqrt(dx * dy))}"),
             *facts,
             ("Worth", f"{first.n_effective:.0f} independent ones"),
         ]

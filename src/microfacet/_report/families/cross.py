@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 
 import microfacet as mf
 from microfacet import plot
-from microfacet._report._figures import REFERENCE, SERIES, FigureBlock, panel
-from microfacet._report._parameters import example
-from microfacet._report._svg import INK
+from microfacet._report.families.parameters import example
+from microfacet._report.figure import INK, REFERENCE, SERIES, FigureBlock, panel
 
 __all__ = ["comparison_figures", "overview"]
 

@@ -1,19 +1,22 @@
-"""A matplotlib figure as SVG inside an HTML page: themed by CSS, without identifiers that clash."""
+"""Figures of the pages: matplotlib as SVG inside HTML, themed by CSS, without identifiers that clash."""
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
 from xml.etree import ElementTree
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from microfacet.plot import COLORS
+from microfacet.plot import COLORS, DASHES
 
-__all__ = ["GRID", "INK", "inline_svg", "name_panel", "style"]
+__all__ = ["GRID", "INK", "REFERENCE", "SERIES", "FigureBlock", "inline_svg", "name_panel", "panel", "style"]
 
 # Drawn in colours that occur nowhere else, then replaced: text and axes follow the page, curves follow
 # custom properties of the style sheet that have a value for light and one for dark.
@@ -24,6 +27,22 @@ _THEME = {INK: "currentColor", GRID: "var(--rule)"} | {
 }
 _SVG = "{http://www.w3.org/2000/svg}"
 _HREF = "{http://www.w3.org/1999/xlink}href"
+
+#: Colours and dashes of curves that differ in a parameter, not in the family.
+SERIES: tuple[tuple[str, Any], ...] = tuple(
+    (COLORS[name], DASHES[name]) for name in ("ggx", "beckmann", "student_t", "gtr", "k0", "bessel_k")
+)
+#: A curve that the others are compared with.
+REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 1.3, "linestyle": (0, (1.2, 1.6))}
+
+
+@dataclass(frozen=True)
+class FigureBlock:
+    """One `figure` of the page: SVG panels side by side and a caption with inline formulas."""
+
+    id: str
+    panels: tuple[str, ...]
+    caption: str
 
 
 @contextmanager
@@ -65,6 +84,16 @@ def style() -> Iterator[None]:
         }
     ):
         yield
+
+
+def panel(name: str, description: str, draw: Callable[[Axes], Any], legend: Any = "best") -> str:
+    """One set of axes as inline SVG; `description` is what a screen reader says."""
+    figure = Figure()
+    ax = figure.add_subplot()
+    draw(ax)
+    if legend:
+        ax.legend(loc=legend)
+    return inline_svg(figure, name, description)
 
 
 def name_panel(figure: Figure, name: str) -> None:

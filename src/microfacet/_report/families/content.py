@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import microfacet as mf
 from microfacet import _checks
-from microfacet._report import _cross, _figures, _formulas, _materials, _parameters, _sampling, _svg
-from microfacet._report._figures import FigureBlock
+from microfacet._report import Progress, figure
+from microfacet._report.families import cross, figures, formulas, materials, sampling
+from microfacet._report.families import parameters as parameters_of
+from microfacet._report.figure import FigureBlock
+from microfacet._report.surfaces.content import MeasuredSurface, measured_surface
 
 __all__ = ["CheckGroup", "Content", "FamilySection", "collect"]
 
 _FIGURES_PER_FAMILY = 11
+_MAX_SLOPES = 200_000  # a second of the report's time
 
 
 @dataclass(frozen=True)
@@ -45,7 +50,7 @@ class FamilySection:
     """One family: the library's entry for it, its text, its figures."""
 
     family: Any
-    text: _formulas.FamilyText
+    text: formulas.FamilyText
     figures: tuple[FigureBlock, ...]
 
 
@@ -57,7 +62,7 @@ class Content:
     families: tuple[FamilySection, ...]
     comparisons: tuple[FigureBlock, ...]
     checks: tuple[CheckGroup, ...]
-    surface: Any
+    surface: MeasuredSurface | None
 
     @property
     def total(self) -> int:
@@ -79,11 +84,11 @@ def collect(
     names: Collection[str] | None,
     parameters: Mapping[str, float] | None,
     surface: Any,
-    progress: Callable[[str, int, int], None],
+    progress: Progress,
     quick: bool,
 ) -> Content:
     """Draw every figure and run every check."""
-    families = _parameters.choose(names, parameters)
+    families = parameters_of.choose(names, parameters)
     chosen = tuple(family.name for family in families)
     items = {} if quick else {item.id: item for item in _checks.catalogue() if item.family in chosen}
     steps = 1 + _FIGURES_PER_FAMILY * len(families) + 3 + len(items) + (5 if surface is not None else 0)
@@ -94,30 +99,28 @@ def collect(
         progress(what, done, steps)
         done += by
 
-    with _svg.style():
+    with figure.style():
         step("overview")
-        overview = _cross.overview(families, parameters)
+        overview = cross.overview(families, parameters)
         sections = []
         for family in families:
-            figures = []
-            example = _parameters.example(family, parameters)
+            blocks = []
+            example = parameters_of.example(family, parameters)
             drawn = (
-                _figures.family_figures(family, example),
-                _sampling.sampling_figures(family, example),
-                _materials.material_figures(family, example),
+                figures.family_figures(family, example),
+                sampling.sampling_figures(family, example),
+                materials.material_figures(family, example),
             )
-            for figure in itertools.chain(*drawn):
+            for block in itertools.chain(*drawn):
                 step(f"{family.title}: figures")
-                figures.append(figure)
-            sections.append(FamilySection(family, _formulas.load().families[family.name], tuple(figures)))
+                blocks.append(block)
+            sections.append(FamilySection(family, formulas.load().families[family.name], tuple(blocks)))
         step("comparisons", 3)
-        comparisons = tuple(_cross.comparison_figures(chosen, parameters))
+        comparisons = tuple(cross.comparison_figures(chosen, parameters))
         section = None
         if surface is not None:
-            from microfacet._report import _terrain
-
             step("measured surface", 5)
-            section = _terrain.measured_surface(surface, chosen)
+            section = measured_surface(surface, mf.fit(surface, families=chosen, max_slopes=_MAX_SLOPES))
     results: dict[str, list[tuple[Any, Any]]] = {name: [] for name in chosen}
     if items:
         for result in _checks.run(families=chosen, parameters=parameters):

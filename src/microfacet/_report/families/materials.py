@@ -13,9 +13,8 @@ from scipy.stats import qmc
 
 import microfacet as mf
 from microfacet import plot
-from microfacet._report._figures import SERIES, FigureBlock, panel
-from microfacet._report._parameters import Example
-from microfacet._report._svg import inline_svg, name_panel
+from microfacet._report.families.parameters import Example
+from microfacet._report.figure import SERIES, FigureBlock, inline_svg, name_panel, panel
 
 __all__ = ["furnace_picture", "material_figures", "shares_of_orders", "single_albedo"]
 

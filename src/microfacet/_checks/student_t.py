@@ -9,14 +9,9 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from microfacet._checks import _beckmann as beckmann
-from microfacet._checks import _closed as closed
-from microfacet._checks import _ggx as ggx
-from microfacet._checks import _integrals as integrals
-from microfacet._checks import _routes as routes
-from microfacet._checks import _symbolic as symbolic
-from microfacet._checks._check import CLOSED_FORM, LIMIT, QUADRATURE, Check, Sides, notebook
-from microfacet._checks._routes import Array
+from microfacet._checks import beckmann, closed, ggx, integrals, routes, symbolic
+from microfacet._checks.check import CLOSED_FORM, LIMIT, QUADRATURE, Check, Sides, notebook
+from microfacet._checks.routes import Array
 
 FAMILY = "student_t"
 GRID = tuple(

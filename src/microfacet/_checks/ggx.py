@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from microfacet._checks import _closed as closed
-from microfacet._checks import _integrals as integrals
-from microfacet._checks._check import Check
-from microfacet._checks._routes import Array
+from microfacet._checks import closed, integrals
+from microfacet._checks.check import Check
+from microfacet._checks.routes import Array
 
 FAMILY = "ggx"
 GRID = tuple({"alpha": alpha} for alpha in (1e-4, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0))

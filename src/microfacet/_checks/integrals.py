@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from microfacet._checks import _routes as routes
-from microfacet._checks._check import HISTOGRAM, QUADRATURE, QUADRATURE_OVER_U, Check, Sides, both
+from microfacet._checks import routes
+from microfacet._checks.check import HISTOGRAM, QUADRATURE, QUADRATURE_OVER_U, Check, Sides, both
 
 Form = Callable[..., Any]
 

@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from microfacet._checks import _closed as closed
-from microfacet._checks import _integrals as integrals
-from microfacet._checks import _routes as routes
-from microfacet._checks._check import CLOSED_FORM, QUADRATURE, Check, Sides, both, notebook
-from microfacet._checks._routes import Array
+from microfacet._checks import closed, integrals, routes
+from microfacet._checks.check import CLOSED_FORM, QUADRATURE, Check, Sides, both, notebook
+from microfacet._checks.routes import Array
 
 FAMILY = "k0"
 GRID = tuple({"alpha": alpha} for alpha in (1e-4, 1e-2, 0.1, 0.5, 1.0, 3.0, 10.0))

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from microfacet import plot
-from microfacet._report._figures import REFERENCE, FigureBlock, panel
-from microfacet._report._svg import INK, inline_svg
-from microfacet._report._terrain import length
+from microfacet._report.figure import INK, REFERENCE, FigureBlock, inline_svg, panel
+from microfacet._report.surfaces.relief import length
 
 __all__ = ["scale_figure", "slope_figures"]
 

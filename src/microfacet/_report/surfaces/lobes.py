@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 import microfacet as mf
 from microfacet import plot
-from microfacet._report._figures import REFERENCE, FigureBlock, panel
+from microfacet._report.figure import REFERENCE, FigureBlock, panel
 
 __all__ = ["lobe_figure"]
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from microfacet._checks import _routes as routes
-from microfacet._checks._check import CLOSED_FORM, Check, Sides, both
+from microfacet._checks import routes
+from microfacet._checks.check import CLOSED_FORM, Check, Sides, both
 
 Form = Callable[..., Any]
 Kernels = Callable[[str], Callable[[routes.Array, float], routes.Array]]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from microfacet._files import replacing
+from microfacet._report import Progress, figure
+from microfacet._report.page import set_page
+from microfacet._report.surfaces.content import collect
 
 __all__ = ["write"]
 
 
-def write(path: str | Path, fitted: Any, command: str, progress: Callable[[str, int, int], None]) -> Path:
+def write(path: str | Path, fitted: Any, command: str, progress: Progress) -> Path:
     """Draw and set the page, and put it in place of `path` once it is complete.
 
     Parameters
@@ -19,8 +21,8 @@ def write(path: str | Path, fitted: Any, command: str, progress: Callable[[str, 
     path : path
         The HTML file.
     fitted : object
-        `results` of `fit`, `predictions`, and where there are any `surface` or `slopes`, `roughness`,
-        `scales`; `source`, `steps`, `notes`.
+        What was `measured` (a surface or slopes), `results` of `fit`, `predictions`, and where there are any
+        `roughness` and `scales`.
     command : str
         The command line, for who wants the page again.
     progress : callable
@@ -31,12 +33,9 @@ def write(path: str | Path, fitted: Any, command: str, progress: Callable[[str, 
     Path
         Of the page, absolute.
     """
-    from microfacet._report import _page, _svg
-    from microfacet._report.fit import _content
-
-    with _svg.style():
-        content = _content.collect(fitted, command, progress)
-    page = _page.set_page("fit.html.j2", content=content)
+    with figure.style():
+        content = collect(fitted, command, progress)
+    page = set_page("surface.html.j2", content=content)
     target = Path(path).absolute()
     with replacing(target) as stream:
         stream.write(page.encode())
