@@ -20,14 +20,49 @@
 namespace microfacet::bindings {
 namespace {
 
+// The functions on arrays, one step of lanes at a time.
+template <class Real>
+class called_distribution {
+  using L = lanes<Real>;
+  struct vectors {
+    std::array<Real, filled_up<Real>> x{}, y{}, z{};
+  };
+
+ public:
+  explicit called_distribution(const array_distribution<Real>& d) : d_(&d) {}
+  L D(const vec3<L>& m) const { return ask(quantity::D, m); }
+  L sigma(const vec3<L>& w) const { return ask(quantity::sigma, w); }
+
+ private:
+  L ask(quantity q, const vec3<L>& w) const {
+    vectors v;
+    std::array<Real, filled_up<Real>> result;
+    store(w.x, v.x.data()), store(w.y, v.y.data()), store(w.z, v.z.data());
+    d_->call(q, width<L>, v, result.data());
+    return load<L>(result.data());
+  }
+
+  const array_distribution<Real>* d_;
+};
+template <class Real>
+struct on_arrays {
+  using distribution = called_distribution<Real>;
+  static distribution of(const array_distribution<Real>& d) { return distribution(d); }
+};
+
+// A kernel of single scattering, of a material by its fused kernels; or one of walks.
 struct material_operation {
   const char* name;
   std::size_t values, elements, constants, outputs;
   std::size_t directions, uniforms;  // the values begin with these
-  material_kernel<float> single;
-  material_kernel<double> wide;
+  bool transmits = false;
+  event of = event::count;
+  material_kernel<float> single = nullptr;
+  material_kernel<double> wide = nullptr;
+
   template <class Real>
-  material_kernel<Real> kernel() const {
+  material_kernel<Real> kernel(const array_distribution<Real>& d) const {
+    if (of != event::count) return (transmits ? d.fused->dielectric : d.fused->conductor)[static_cast<std::size_t>(of)];
     if constexpr (std::is_same_v<Real, float>) {
       return single;
     } else {
@@ -35,43 +70,39 @@ struct material_operation {
     }
   }
   std::size_t numbers() const { return values + elements + constants; }
+  bool needs_distribution() const { return of != event::count || elements != 0; }
 };
 
 // Directions of unit length.
-template <template <class> class, class Real>
-void unit_direction(const array_distribution<Real>&, material_block<Real>& b) {
-  std::copy_n(b.in.begin(), 3, b.out.begin());
+template <class Real>
+void unit_direction(const array_distribution<Real>&, const material_block<Real>& b) {
+  using pack = lanes<Real>;
+  for (int i = 0; i < b.padded; i += width<pack>) {
+    const vec3<pack> w = b.template direction<pack>(0, i);
+    store(w.x, b.out[0] + i), store(w.y, b.out[1] + i), store(w.z, b.out[2] + i);
+  }
 }
 
-#define MICROFACET_MATERIAL(NAME, VALUES, ELEMENTS, CONSTANTS, OUTPUTS, DIRECTIONS, UNIFORMS, KERNEL, \
-                            MATERIAL)                                                                 \
-  {NAME,                                                                                              \
-   VALUES,                                                                                            \
-   ELEMENTS,                                                                                          \
-   CONSTANTS,                                                                                         \
-   OUTPUTS,                                                                                           \
-   DIRECTIONS,                                                                                        \
-   UNIFORMS,                                                                                          \
-   &KERNEL<MATERIAL, float>,                                                                          \
-   &KERNEL<MATERIAL, double>}
 constexpr material_operation operations[] = {
-    MICROFACET_MATERIAL("unit_direction", 3, 0, 0, 3, 1, 0, unit_direction, diffuse),
-    MICROFACET_MATERIAL("conductor_eval", 8, 0, 2, 1, 2, 0, single_eval, conductor),
-    MICROFACET_MATERIAL("conductor_pdf", 8, 0, 1, 1, 2, 0, single_pdf, conductor),
-    MICROFACET_MATERIAL("conductor_sample", 9, 0, 3, 5, 1, 4, single_sample, conductor),
-    MICROFACET_MATERIAL("conductor_facets", 8, 0, 1, 2, 2, 0, single_facets, conductor),
-    MICROFACET_MATERIAL("conductor_walk", 5, 1, 2, 5, 1, 0, walk_sample, conductor),
-    MICROFACET_MATERIAL("conductor_walk_eval", 8, 1, 5, 1, 2, 0, walk_eval, conductor),
-    MICROFACET_MATERIAL("dielectric_eval", 7, 0, 2, 1, 2, 0, single_eval, dielectric),
-    MICROFACET_MATERIAL("dielectric_pdf", 7, 0, 1, 1, 2, 0, single_pdf, dielectric),
-    MICROFACET_MATERIAL("dielectric_sample", 8, 0, 3, 5, 1, 4, single_sample, dielectric),
-    MICROFACET_MATERIAL("dielectric_facets", 7, 0, 1, 2, 2, 0, single_facets, dielectric),
-    MICROFACET_MATERIAL("dielectric_walk", 4, 1, 2, 5, 1, 0, walk_sample, dielectric),
-    MICROFACET_MATERIAL("dielectric_walk_eval", 7, 1, 5, 1, 2, 0, walk_eval, dielectric),
-    MICROFACET_MATERIAL("diffuse_walk", 4, 1, 2, 5, 1, 0, walk_sample, diffuse),
-    MICROFACET_MATERIAL("diffuse_walk_eval", 7, 1, 5, 1, 2, 0, walk_eval, diffuse),
+    {"unit_direction", 3, 0, 0, 3, 1, 0, false, event::count, &unit_direction<float>, &unit_direction<double>},
+    {"conductor_eval", 8, 0, 2, 1, 2, 0, false, event::eval},
+    {"conductor_pdf", 8, 0, 1, 1, 2, 0, false, event::pdf},
+    {"conductor_sample", 9, 0, 3, 5, 1, 4, false, event::sample},
+    {"conductor_facets", 8, 0, 1, 2, 2, 0, false, event::facets},
+    {"dielectric_eval", 7, 0, 2, 1, 2, 0, true, event::eval},
+    {"dielectric_pdf", 7, 0, 1, 1, 2, 0, true, event::pdf},
+    {"dielectric_sample", 8, 0, 3, 5, 1, 4, true, event::sample},
+    {"dielectric_facets", 7, 0, 1, 2, 2, 0, true, event::facets},
+#define MICROFACET_WALKS(MATERIAL, VALUES)                                                                    \
+  {#MATERIAL "_walk", VALUES - 3, 1, 2, 5, 1, 0, false, event::count, &walk_sample<MATERIAL, float>,          \
+   &walk_sample<MATERIAL, double>},                                                                           \
+      {#MATERIAL "_walk_eval",      VALUES, 1, 5, 1, 2, 0, false, event::count, &walk_eval<MATERIAL, float>, \
+       &walk_eval<MATERIAL, double>}
+    MICROFACET_WALKS(conductor, 8),
+    MICROFACET_WALKS(dielectric, 7),
+    MICROFACET_WALKS(diffuse, 7),
+#undef MICROFACET_WALKS
 };
-#undef MICROFACET_MATERIAL
 
 struct material_ufunc {
   const material_operation* operation;
@@ -86,40 +117,43 @@ struct material_call {
   npy_intp n;
 };
 
-// Directions of any length; of length 1 to a few roundings of T.
-template <class T, class Compute>
-void normalize(material_block<Compute>& b, std::size_t first) {
-  using pack = lanes<Compute>;
-  const pack tolerance(static_cast<Compute>(
-      8 * std::max<double>(std::numeric_limits<T>::epsilon(), std::numeric_limits<Compute>::epsilon())));
-  for (int i = 0; i < b.padded; i += width<pack>) {
-    const vec3<pack> w = normalized(b.template direction<pack>(first, i), tolerance);
-    put(w.x, b.in[first], i), put(w.y, b.in[first + 1], i), put(w.z, b.in[first + 2], i);
-  }
-}
-
+// Contiguous arrays of the kernel's type are used in place, others pass through blocks.
 template <class Compute, class T>
 void run_blocks(const array_distribution<Compute>& d, void* data) {
   const auto& call = *static_cast<const material_call*>(data);
   const material_operation& op = *call.ufunc.operation;
-  const auto b = std::make_unique<material_block<Compute>>();
-  b->narrow_results = sizeof(T) < sizeof(Compute);
+  struct storage {
+    material_block<Compute> b;
+    std::array<block<Compute>, most_values> in;
+    std::array<block<Compute>, most_results> out;
+  };
+  const auto s = std::make_unique<storage>();
+  material_block<Compute>& b = s->b;
+  b.narrow_results = sizeof(T) < sizeof(Compute);
+  b.tolerance = static_cast<Compute>(
+      8 * std::max<double>(std::numeric_limits<T>::epsilon(), std::numeric_limits<Compute>::epsilon()));
   for (std::size_t k = 0; k < op.constants; ++k)
-    b->constant[k] = *reinterpret_cast<const double*>(call.args[op.values + op.elements + k]);
+    b.constant[k] = *reinterpret_cast<const double*>(call.args[op.values + op.elements + k]);
+  const material_kernel<Compute> kernel = op.template kernel<Compute>(d);
   for (npy_intp first = 0; first < call.n; first += walk_block) {
     const std::ptrdiff_t count = std::min<npy_intp>(walk_block, call.n - first);
     constexpr std::ptrdiff_t full = filled_up<Compute>;
-    b->count = static_cast<int>(count), b->padded = static_cast<int>((count + full - 1) / full * full);
+    b.count = static_cast<int>(count), b.padded = static_cast<int>((count + full - 1) / full * full);
     const auto at = [&](std::size_t a) { return call.args[a] + first * call.steps[a]; };
+    const auto direct = [&](std::size_t a) {
+      return std::is_same_v<T, Compute> && call.steps[a] == sizeof(T) && count % full == 0;
+    };
     for (std::size_t a = 0; a < op.values; ++a) {
+      b.in[a] = direct(a) ? reinterpret_cast<const Compute*>(at(a)) : s->in[a].data();
       const bool uniform = a >= 3 * op.directions && a < 3 * op.directions + op.uniforms;
-      (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call.steps[a], count, b->in[a]);
+      if (!direct(a)) (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call.steps[a], count, s->in[a]);
     }
-    for (std::size_t k = 0; k < op.directions; ++k) normalize<T>(*b, 3 * k);
-    if (op.elements != 0) gather<double>(at(op.values), call.steps[op.values], count, b->element);
-    op.template kernel<Compute>()(d, *b);
+    if (op.elements != 0) gather<double>(at(op.values), call.steps[op.values], count, b.element);
     for (std::size_t k = 0, a = call.ufunc.inputs(); k < op.outputs; ++k, ++a)
-      scatter<Compute, T>(b->out[k], at(a), call.steps[a], count);
+      b.out[k] = direct(a) ? reinterpret_cast<Compute*>(at(a)) : s->out[k].data();
+    kernel(d, b);
+    for (std::size_t k = 0, a = call.ufunc.inputs(); k < op.outputs; ++k, ++a)
+      if (!direct(a)) scatter<Compute, T>(s->out[k], at(a), call.steps[a], count);
   }
 }
 
@@ -133,8 +167,9 @@ PyMethodDef prepared_counter{"distributions_prepared", &count_prepared, METH_NOA
 
 template <class T>
 void run_constant(const material_call& call) {
-  prepared_distributions.fetch_add(1, std::memory_order_relaxed);
   const material_operation& op = *call.ufunc.operation;
+  if (!op.needs_distribution()) return run_blocks<T, T>({}, const_cast<material_call*>(&call));
+  prepared_distributions.fetch_add(1, std::memory_order_relaxed);
   std::array<double, 8> parameters{};
   for (std::size_t k = 0; k < call.ufunc.family.parameters; ++k)
     parameters[k] = *reinterpret_cast<const double*>(call.args[op.numbers() + k]);
@@ -166,6 +201,19 @@ void material_loop(char** args, const npy_intp* dimensions, const npy_intp* step
 }
 
 }  // namespace
+
+template <class Real>
+const fused_kernels<Real>& fused_kernels_on_tables() {
+  return fused_kernels_of<known_distribution<tabulated_directions<Real>>, Real>;
+}
+template <class Real>
+const fused_kernels<Real>& fused_kernels_on_arrays() {
+  return fused_kernels_of<on_arrays<Real>, Real>;
+}
+template const fused_kernels<float>& fused_kernels_on_tables<float>();
+template const fused_kernels<double>& fused_kernels_on_tables<double>();
+template const fused_kernels<float>& fused_kernels_on_arrays<float>();
+template const fused_kernels<double>& fused_kernels_on_arrays<double>();
 
 bool add_materials(PyObject* space, const material_family& family) {
   for (const material_operation& op : operations) {

@@ -1,4 +1,4 @@
-// A family's kernels as an array_distribution.
+// A family as an array_distribution.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,7 @@
 #include "bindings/density/models.hpp"
 #include "bindings/density/operations.hpp"
 #include "bindings/material/distribution.hpp"
+#include "bindings/material/single.hpp"
 
 namespace microfacet::bindings {
 
@@ -21,7 +22,7 @@ struct kernels_for_materials {
     switch (q) {
       case quantity::D:
         return of<D_of_normal>();
-      case quantity::area:
+      case quantity::sigma:
         return of<sigma_of_direction>();
       case quantity::visible:
         return of<visible_sample>();
@@ -31,9 +32,6 @@ struct kernels_for_materials {
         break;
       case quantity::visible_bounded:
         if constexpr (requires { &family::bounded_facet; }) return of<bounded_sample>();
-        break;
-      case quantity::pdf_bounded:
-        if constexpr (requires { &family::bounded_facet; }) return of<bounded_pdf>();
         break;
       case quantity::count:
         break;
@@ -47,8 +45,8 @@ struct kernels_for_materials {
     if (std::is_same_v<Real, float> && !fits_float32<Model>(parameters, true)) return false;
     parameter_values<Model> numbers;
     std::copy_n(parameters, numbers.size(), numbers.begin());
-    const auto make = [&](const void* own, const void* one_register, const void* two_registers) {
-      array_distribution<Real> d;
+    array_distribution<Real> d;
+    const auto run = [&](const void* own, const void* one_register, const void* two_registers) {
       for (std::size_t k = 0; k < d.functions.size(); ++k) {
         const operation_kernels* op = of(static_cast<quantity>(k));
         if (op == nullptr) continue;
@@ -60,16 +58,20 @@ struct kernels_for_materials {
           d.functions[k] = {kernels.constant, own};
         }
       }
-      if (!d.has(quantity::D) || !d.has(quantity::area) || !d.has(quantity::visible)) return false;
+      if (!d.has(quantity::D) || !d.has(quantity::sigma) || !d.has(quantity::visible)) return false;
       then(d, data);
       return true;
     };
-    const auto with_own = [&](const void* one_register, const void* two_registers) {
+    const auto run_with_own = [&](const void* one_register, const void* two_registers) {
       if constexpr (family::float32_arithmetic || std::is_same_v<Real, double>) {
         const auto own = constant_distribution<Model, lanes<Real>>(numbers);
-        return make(&own, one_register, two_registers);
+        if constexpr (family::tabulate == 0) {
+          d.fused = &fused_kernels_of<known_distribution<std::remove_const_t<decltype(own)>>, Real>;
+          d.fused_distribution = &own;
+        }
+        return run(&own, one_register, two_registers);
       } else {
-        return make(nullptr, one_register, two_registers);
+        return run(nullptr, one_register, two_registers);
       }
     };
     if constexpr (family::tabulate != 0) {
@@ -77,10 +79,13 @@ struct kernels_for_materials {
       if (tables != nullptr) {
         const auto one = tabulated_distribution<Model, lanes<Real>>(*tables, numbers);
         const auto two = tabulated_distribution<Model, lanes<Real, most_registers>>(*tables, numbers);
-        return with_own(&one, &two);
+        static_assert(std::is_same_v<decltype(one), const tabulated_directions<Real>>);
+        d.fused = &fused_kernels_on_tables<Real>(), d.fused_distribution = &one;
+        return run_with_own(&one, &two);
       }
+      d.fused = &fused_kernels_on_arrays<Real>();
     }
-    return with_own(nullptr, nullptr);
+    return run_with_own(nullptr, nullptr);
   }
 };
 

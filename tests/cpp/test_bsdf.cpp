@@ -122,7 +122,9 @@ TEST(a_pair_of_directions) {
   const mf::dielectric<double> glass(1.5);
   for (const double degrees : {1.0, 40.0, 85.0}) {
     const direction wi = towards(50, 20), up = towards(degrees, 150), down = towards(180 - degrees, 150);
-    const direction m = mf::reflecting_facet(wi, up);
+    const mf::half_vector<double> half = mf::half_vector_reflection(wi, up);
+    const direction m = mf::normalize(half.m);
+    CHECK_NEAR(half.cosine, mf::dot(wi, m), 1e-15);
     CHECK_NEAR(mf::eval(gold, ndf, wi, up),
                gold.reflectance(mf::dot(wi, m)) * ndf.D(m) * ndf.G2(wi, up) / (4 * wi.z), 1e-13);
     CHECK_NEAR(mf::eval(gold, ndf, wi, up) * wi.z, mf::eval(gold, ndf, up, wi) * up.z, 1e-13);
@@ -199,15 +201,15 @@ TEST(no_sample_lies_on_an_infinite_peak) {
 TEST(directions_of_any_length) {
   const double tolerance = 8 * std::numeric_limits<double>::epsilon();
   for (const double length : {1e-200, 1e-3, 3.0, 1e300}) {
-    const direction w = mf::normalized(direction{3 * length, 0, -4 * length}, tolerance);
+    const direction w = mf::normalize(direction{3 * length, 0, -4 * length}, tolerance);
     CHECK_NEAR(w.x, 0.6, 1e-15);
     CHECK_NEAR(w.z, -0.8, 1e-15);
-    const direction again = mf::normalized(w, tolerance);
+    const direction again = mf::normalize(w, tolerance);
     CHECK(again.x == w.x && again.z == w.z);
   }
   for (const direction& w :
        {direction{0, 0, 0}, direction{mf::inf, 0, 0}, direction{0, mf::nan<double>(), 1}}) {
-    const direction none = mf::normalized(w, tolerance);
+    const direction none = mf::normalize(w, tolerance);
     CHECK(std::isnan(none.x) && std::isnan(none.y) && std::isnan(none.z));
   }
 }

@@ -11,9 +11,9 @@ namespace microfacet {
 template <class T>
 class conductor {
  public:
-  // The indices of refraction of the metal over that of the medium above, eta - i k; eta = inf is a perfect
-  // mirror.
+  // The indices of refraction of the metal over that of the medium above, eta - i k; eta = inf is a perfect mirror.
   static constexpr int parameters = 2, uniforms = 0;
+  static constexpr bool transmits = false, closed = true;
 
   conductor(const T& eta, const T& k) : eta_(eta), k_(k) {}
   explicit conductor(const T* p) : conductor(p[0], p[1]) {}
@@ -22,10 +22,13 @@ class conductor {
     return select(eta_ > largest<T>(), T(T(1) + T(0) * cosine), fresnel_conductor(cosine, eta_, k_));
   }
 
-  vec3<T> facet(const vec3<T>& wi, const vec3<T>& wo) const { return reflecting_facet(wi, wo); }
-  // The part of the light from wi that a facet m = facet(wi, wo) sends to wo, per steradian.
-  T phase(const vec3<T>& wi, const vec3<T>&, const vec3<T>& m, const facet_statistics<T>& at) const {
-    return share(reflectance(dot(wi, m)), pdf_of_mirrors(at));
+  microfacet::half_vector<T> half_vector(const vec3<T>& wi, const vec3<T>& wo) const {
+    return half_vector_reflection(wi, wo);
+  }
+  // The part of the light from wi that the facet m = half_vector(wi, wo) sends to wo, per steradian.
+  T phase(const vec3<T>&, const vec3<T>&, const microfacet::half_vector<T>& m, const T& D,
+          const T& inverse_sigma) const {
+    return share(reflectance(m.cosine), pdf_of_mirrors(D, inverse_sigma));
   }
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T&, const T&) const {
     return {reflect(wi, m), reflectance(dot(wi, m)), wi.z != wi.z};

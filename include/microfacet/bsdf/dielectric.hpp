@@ -12,6 +12,7 @@ template <class T>
 class dielectric {
  public:
   static constexpr int parameters = 1, uniforms = 1;
+  static constexpr bool transmits = true, closed = true;
 
   // The index of refraction below the surface over that above.
   explicit dielectric(const T& eta) : eta_(nan_unless((eta > T(0)) & (eta <= largest<T>()), eta)) {}
@@ -27,32 +28,38 @@ class dielectric {
   T reflectance(const T& cosine) const { return fresnel_dielectric(cosine, eta_).reflected; }
   T transmittance(const T& cosine) const { return fresnel_dielectric(cosine, eta_).passed; }
 
-  vec3<T> facet(const vec3<T>& wi, const vec3<T>& wo) const {
-    return select(wo.z > T(0), reflecting_facet(wi, wo), refracting_facet(wi, wo, eta_));
+  microfacet::half_vector<T> half_vector(const vec3<T>& wi, const vec3<T>& wo) const {
+    return select_lazy(
+        wo.z > T(0), [&] { return half_vector_reflection(wi, wo); },
+        [&] { return half_vector_transmission(wi, wo, eta_); });
   }
-  // The part of the light from wi that one facet m = facet(wi, wo) sends to wo, per steradian.
-  T phase(const vec3<T>& wi, const vec3<T>& wo, const vec3<T>& m, const facet_statistics<T>& at) const {
-    return select(wo.z > T(0), reflected(wi, m, at), refracted(wi, wo, m, at));
+  // The part of the light from wi that one facet m = half_vector(wi, wo) sends to wo, per steradian.
+  T phase(const vec3<T>& wi, const vec3<T>& wo, const microfacet::half_vector<T>& m, const T& D,
+          const T& inverse_sigma) const {
+    return select_lazy(
+        wo.z > T(0), [&] { return reflected(m, D, inverse_sigma); },
+        [&] { return refracted(wi, wo, m, D, inverse_sigma); });
   }
-  T reflected(const vec3<T>& wi, const vec3<T>& m, const facet_statistics<T>& at) const {
-    return share(reflectance(dot(wi, m)), pdf_of_mirrors(at));
+  T reflected(const microfacet::half_vector<T>& m, const T& D, const T& inverse_sigma) const {
+    return share(reflectance(m.cosine), pdf_of_mirrors(D, inverse_sigma));
   }
-  // Of the two cosines that the directions make with m, the one in the thinner medium says both: the other
-  // one changes little with it.
-  T refracted(const vec3<T>& wi, const vec3<T>& wo, const vec3<T>& m, const facet_statistics<T>& at) const {
-    const T before = dot(wi, m), behind = -dot(wo, m);
+  // Of the two cosines that the directions make with m, the one in the thinner medium determines the other, which
+  // changes little with it.
+  T refracted(const vec3<T>& wi, const vec3<T>& wo, const microfacet::half_vector<T>& m, const T& D,
+              const T& inverse_sigma) const {
+    const T before = m.cosine, behind = -dot(wo, m.m);
     const auto to_denser = eta_ >= T(1);
     const T thin = select(to_denser, before, behind), relative = maximum(eta_, T(T(1) / eta_));
     const fresnel_split<T> split = fresnel_dielectric(thin, relative);
     const T cosine = select(to_denser, thin, split.cosine), cosine_t = select(to_denser, split.cosine, thin);
-    const T density = cosine * at.D / at.area * refraction_jacobian(cosine, cosine_t, eta_);
+    const T density = cosine * D * inverse_sigma * refraction_jacobian(cosine, cosine_t, eta_);
     const auto possible = (before > T(0)) & (behind > T(0)) & (eta_ != T(1));
     const T nothing = T(0) * (eta_ + wo.z);
     // An interface of equal indices deflects nothing: all goes to -wi, whose density is infinite.
     const auto straight = (eta_ == T(1)) & (wo.x == -wi.x) & (wo.y == -wi.y) & (wo.z == -wi.z);
     return select(possible, share(split.passed, density), select(straight, T(inf), nothing));
   }
-  // By the first uniform number one of both, with its own probability.
+  // Reflects or refracts, each with its own probability, as the first uniform number says.
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T& xi, const T&) const {
     const fresnel_split<T> at = fresnel_dielectric(dot(wi, m), eta_);
     // Also for xi = 1, but where all is reflected.

@@ -12,12 +12,13 @@ template <class T>
 class diffuse {
  public:
   static constexpr int parameters = 1, uniforms = 2;
+  static constexpr bool transmits = false, closed = false;
 
   explicit diffuse(const T& albedo) : albedo_(nan_unless((albedo >= T(0)) & (albedo <= T(1)), albedo)) {}
   explicit diffuse(const T* p) : diffuse(p[0]) {}
 
-  // The part of the light on a facet m that goes to wo, per steradian. Which facets see wo and wi has no
-  // closed form: m is drawn.
+  // The part of the light on a facet m that goes to wo, per steradian. No closed form says which facets see both wo and
+  // wi, so m is drawn.
   T phase(const vec3<T>& wo, const vec3<T>& m) const {
     return albedo_ * T(1 / pi) * maximum(dot(wo, m), T(0));
   }
@@ -27,7 +28,7 @@ class diffuse {
     const elementary::circle<T> turn = elementary::cos_sin_of_turns(xi1);
     const vec3<T> sum{m.x + r * turn.cosine, m.y + r * turn.sine, m.z + z};
     const auto degenerate = dot(sum, sum) < T(1e-12);
-    return {select(degenerate, m, unit(sum)), albedo_, wi.z != wi.z};
+    return {select(degenerate, m, normalize(sum)), albedo_, wi.z != wi.z};
   }
 
  private:

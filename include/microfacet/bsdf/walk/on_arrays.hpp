@@ -16,7 +16,7 @@ class on_arrays {
  public:
   explicit on_arrays(const Distribution& ndf) : ndf_(ndf) {}
 
-  void area(int size, const block3<T>& w, block<T>& out) const {
+  void sigma(int size, const block3<T>& w, block<T>& out) const {
     for (int i = 0; i < size; i += width<Lanes>) store(ndf_.sigma(at(w, i)), out.data() + i);
   }
   void D(int size, const block3<T>& m, block<T>& out) const {

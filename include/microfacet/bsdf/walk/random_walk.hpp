@@ -1,14 +1,7 @@
-// Scattering of all orders: the random walk of light on a Smith microsurface, without approximation (Heitz,
-// Hanika, d'Eon and Dachsbacher, Multiple-scattering microfacet BSDFs with the Smith model, 2016; d'Eon, A
-// Hitchhiker's Guide to Multiple Scattering).
+// Scattering of all orders, by the steps of walk/step.hpp.
 //
-// With depth = -log of the share of heights below, Smith's surface is a half-space in which light towards w
-// meets facets at the rate sigma(-w) per length and leaves upwards at depth 0; heights have the uniform
-// distribution, on which nothing depends. Light that passes a facet goes on in coordinates that are turned
-// over (w -> -w), in which the share of heights below is 1 minus what it was.
-//
-// Many walks go side by side, one step of all of them at a time, and those that have left make room: the
-// functions of the distribution see full arrays.
+// Many walks go side by side, one step of all of them at a time, and those that have left make room: the functions of the
+// distribution see full arrays.
 #pragma once
 
 #include <array>
@@ -17,6 +10,7 @@
 
 #include "microfacet/bsdf/scattered.hpp"
 #include "microfacet/bsdf/walk/rays.hpp"
+#include "microfacet/bsdf/walk/step.hpp"
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/lanes.hpp"
 #include "microfacet/core/math.hpp"
@@ -24,34 +18,15 @@
 
 namespace microfacet {
 
-// The depth after a flight, negative for light that has left. Optical lengths are exponential.
-template <class T>
-T depth_after(const T& depth, const T& w_z, const T& area, const T& xi) {
-  constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
-  const T least(single ? 0x1p-25 : 0x1p-54);  // so that light that sees no facet leaves
-  return depth + w_z * (log1p(T(-maximum(xi, least))) / maximum(area, smallest<T>()));
-}
-// The probability to leave towards w from a depth without meeting a facet; area = sigma(-w).
-template <class T>
-T escape(const T& depth, const T& w_z, const T& area) {
-  return select(w_z > T(0), exp(-depth * area / maximum(w_z, smallest<T>())), T(0));
-}
-// The same place, in coordinates that are turned over.
-template <class T>
-T depth_from_below(const T& depth) {
-  return -log(maximum(T(-expm1(-depth)), smallest<T>()));
-}
-
 // Lanes: a number, or a pack of them. Distribution: functions on arrays, of which it may take `size` elements
 // for valid:
-//   area(size, w, out)           sigma(w)
+//   sigma(size, w, out)
 //   D(size, m, out)
-//   visible(size, w, xi, out)    normals that w sees, by four arrays of uniform numbers
+//   visible(size, w, xi, out)   normals that w sees, by four arrays of uniform numbers
 template <class Lanes, class Distribution, template <class> class Material>
 class random_walk {
   using T = lane_of<Lanes>;
   using material = Material<Lanes>;
-  static constexpr bool closed = requires(const material m, vec3<Lanes> w) { m.facet(w, w); };
 
  public:
   explicit random_walk(const Distribution& distribution) : distribution_(distribution) {}
@@ -98,7 +73,7 @@ class random_walk {
   material material_at(int i) const {
     const std::array<Lanes, 2> p{at(rays_.parameter(0), i), at(rays_.parameter(1), i)};
     const material above(p.data());
-    if constexpr (requires { above.flipped(Lanes(0) < Lanes(0)); }) {
+    if constexpr (material::transmits) {
       return above.flipped(at(rays_.below, i) != Lanes(0));
     } else {
       return above;
@@ -108,20 +83,20 @@ class random_walk {
   void fly(long met) {
     rays_.draw(met);
     for (int i = 0; i < rays_.padded; i += step) put(scaled(at(rays_.w, i), Lanes(-1)), rays_.back, i);
-    distribution_.area(rays_.padded, rays_.back, rays_.area);
+    distribution_.sigma(rays_.padded, rays_.back, rays_.sigma);
     for (int i = 0; i < rays_.padded; i += step)
-      put(depth_after(at(rays_.depth, i), at(rays_.w.z, i), at(rays_.area, i), at(rays_.xi[0], i)),
+      put(depth_after(at(rays_.depth, i), at(rays_.w.z, i), at(rays_.sigma, i), at(rays_.xi[0], i)),
           rays_.depth, i);
   }
   // Those that have left, were stopped, or are nan.
-  template <class Tell>
-  void leave(const Tell& tell) {
+  template <class Report>
+  void leave(const Report& report) {
     rays_.keep(
         [&](int ray) {
           const std::size_t i = rays_.index(ray);
           return rays_.depth[i] >= T(0) && rays_.throughput[i] > T(0);
         },
-        tell);
+        report);
   }
 
   template <class Before>
@@ -134,17 +109,12 @@ class random_walk {
   void scatter(int i, long met) {
     const scattered<Lanes> s =
         material_at(i).scatter(at(rays_.back, i), at(facet_, i), at(rays_.xi[5], i), at(rays_.xi[6], i));
-    const Lanes depth = at(rays_.depth, i), below = at(rays_.below, i);
-    put(scaled(s.w, select(s.passed, Lanes(-1), Lanes(1))), rays_.w, i);
-    put(select(s.passed, depth_from_below(depth), depth), rays_.depth, i);
+    const Lanes throughput = at(rays_.throughput, i) * s.weight, below = at(rays_.below, i);
+    const light_behind<Lanes> light = behind_facet(s.w, s.passed, at(rays_.depth, i), throughput,
+                                                   Lanes(static_cast<T>(met)), at(rays_.xi[7], i));
+    put(light.w, rays_.w, i), put(light.depth, rays_.depth, i);
     put(select(s.passed, Lanes(Lanes(1) - below), below), rays_.below, i);
-    // Russian roulette: faint light goes on seldom, with more weight; so does any, after very many facets.
-    const Lanes throughput = at(rays_.throughput, i) * s.weight;
-    Lanes chance(1);
-    if (met >= 4) chance = minimum(maximum(Lanes(throughput * Lanes(4)), Lanes(0.05)), Lanes(1));
-    if (met >= 1024) chance = Lanes(0.5);
-    put(select(at(rays_.xi[7], i) < chance, Lanes(throughput / chance), Lanes(Lanes(0) * throughput)),
-        rays_.throughput, i);
+    put(Lanes(throughput * light.factor), rays_.throughput, i);
   }
 
   // Directions out as the side on which they leave names them, and the areas in their way.
@@ -156,45 +126,44 @@ class random_walk {
       leaves_below_[i] = turned > 0 ? T(0) : T(1);
       side_.x[i] = -out_.x[i], side_.y[i] = -out_.y[i], side_.z[i] = -out_.z[i];
     }
-    if (t.count > 0) distribution_.area(rays_.padded, side_, blocking_);
+    if (t.count > 0) distribution_.sigma(rays_.padded, side_, sigma_out_);
   }
   // What the facets that light has met send to its target.
   void send(block<T>& sum) {
-    block<T> crossed, z, blocking, part;
     for (int k = 0; k < rays_.padded; ++k) {
       const std::size_t i = rays_.index(k), slot = rays_.index(rays_.slot(k));
-      crossed[i] = leaves_below_[slot] != rays_.below[i] ? T(1) : T(0);
-      const T turned = crossed[i] != T(0) ? T(-1) : T(1);
-      side_.x[i] = turned * out_.x[slot], side_.y[i] = turned * out_.y[slot];
-      side_.z[i] = turned * out_.z[slot];
-      z[i] = out_.z[slot], blocking[i] = blocking_[slot];
+      crosses_[i] = leaves_below_[slot] != rays_.below[i] ? T(1) : T(0);
+      target_.x[i] = out_.x[slot], target_.y[i] = out_.y[slot], target_.z[i] = out_.z[slot];
+      sigma_of_target_[i] = sigma_out_[slot];
     }
-    if constexpr (closed) {
+    if constexpr (material::closed) {
       for (int i = 0; i < rays_.padded; i += step)
-        put(material_at(i).facet(at(rays_.back, i), at(side_, i)), facet_to_target_, i);
-      distribution_.D(rays_.padded, facet_to_target_, D_);
+        put(material_at(i).half_vector(at(rays_.back, i), side(i)).m, side_, i);
+      distribution_.D(rays_.padded, side_, D_);
     }
-    for (int i = 0; i < rays_.padded; i += step) {
-      const Lanes depth = at(rays_.depth, i);
-      const Lanes from = select(at(crossed, i) != Lanes(0), depth_from_below(depth), depth);
-      put(at(rays_.throughput, i) * phase(i) * escape(from, at(z, i), at(blocking, i)), part, i);
-    }
+    block<T> part;
+    for (int i = 0; i < rays_.padded; i += step)
+      put(at(rays_.throughput, i) * phase(i) * target(i).reached_from(at(rays_.depth, i), crosses(i)), part, i);
     for (int k = 0; k < rays_.alive; ++k) sum[rays_.index(rays_.slot(k))] += part[rays_.index(k)];
   }
+  walk_target<Lanes> target(int i) const { return {at(target_, i), at(sigma_of_target_, i)}; }
+  auto crosses(int i) const { return at(crosses_, i) != Lanes(0); }
+  vec3<Lanes> side(int i) const { return target(i).seen_from(crosses(i)); }
   Lanes phase(int i) const {
     const material here = material_at(i);
-    if constexpr (closed) {
-      return here.phase(at(rays_.back, i), at(side_, i), at(facet_to_target_, i),
-                        {at(D_, i), at(rays_.area, i), Lanes(0)});
+    const vec3<Lanes> back = at(rays_.back, i), towards = side(i);
+    if constexpr (material::closed) {
+      return here.phase(back, towards, here.half_vector(back, towards), at(D_, i),
+                        Lanes(Lanes(1) / at(rays_.sigma, i)));
     } else {  // of the facet that was drawn
-      return here.phase(at(side_, i), at(facet_, i));
+      return here.phase(towards, at(facet_, i));
     }
   }
 
   const Distribution& distribution_;
   walk_rays<T> rays_;
-  block3<T> facet_{}, facet_to_target_{}, out_{}, side_{};
-  block<T> D_{}, blocking_{}, leaves_below_{};
+  block3<T> facet_{}, out_{}, target_{}, side_{};
+  block<T> D_{}, sigma_out_{}, leaves_below_{}, crosses_{}, sigma_of_target_{};
 };
 
 }  // namespace microfacet

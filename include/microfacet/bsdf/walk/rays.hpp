@@ -37,7 +37,7 @@ struct walk_rays {
 
   int alive = 0, padded = 0;  // arrays are valid up to `padded`, a multiple of any number of lanes
   block3<T> w{}, back{};      // where light goes, and where it comes from
-  block<T> below{}, depth{}, throughput{}, area{};  // 1 below the facets; sigma(back)
+  block<T> below{}, depth{}, throughput{}, sigma{};  // 1 below the facets; of back
   std::array<block<T>, uniforms> xi{};
 
   int slot(int i) const { return slot_[index(i)]; }
@@ -67,16 +67,16 @@ struct walk_rays {
     }
   }
 
-  // Keeps the rays for which stays(i), and tells of the others.
-  template <class Stays, class Tell>
-  void keep(const Stays& stays, const Tell& tell) {
+  // Keeps the rays for which stays(i), and reports the others.
+  template <class Stays, class Report>
+  void keep(const Stays& stays, const Report& report) {
     int kept = 0;
     for (int i = 0; i < alive; ++i) {
       if (stays(i)) {
         if (kept != i) move(i, kept);
         ++kept;
       } else {
-        tell(i);
+        report(i);
       }
     }
     alive = kept;
@@ -96,7 +96,7 @@ struct walk_rays {
     const std::size_t from = index(from_), to = index(to_);
     for (block3<T>* v : {&w, &back}) v->x[to] = v->x[from], v->y[to] = v->y[from], v->z[to] = v->z[from];
     below[to] = below[from], depth[to] = depth[from], throughput[to] = throughput[from];
-    area[to] = area[from], element_[to] = element_[from], slot_[to] = slot_[from];
+    sigma[to] = sigma[from], element_[to] = element_[from], slot_[to] = slot_[from];
     for (auto& p : parameters_) p[to] = p[from];
     for (auto& u : xi) u[to] = u[from];
   }

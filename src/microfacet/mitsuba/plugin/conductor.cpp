@@ -7,6 +7,16 @@
 
 namespace microfacet::plugin {
 
+namespace {
+
+// Directions, facets and masking; what facets reflect, in several colours, is a factor of its own.
+using mirror_pair = scattering_pair<conductor<Float>, Float>;
+mirror_pair mirrors(const vec3<Float>& wi, const vec3<Float>& wo) {
+  return {conductor<Float>(Float(inf), Float(0)), wi, wo};
+}
+
+}  // namespace
+
 rough_conductor::rough_conductor(const mi::Properties& properties) : rough_bsdf(properties) {
   const auto material = properties.get<std::string>("material", std::string("none"));
   const bool eta = properties.has_property("eta"), k = properties.has_property("k");
@@ -59,10 +69,10 @@ facet_event conductor_facets::scatter(const vec3<Float>& back, const vec3<Float>
   return {reflect(back, m), Mask(false), reflectance(dot(back, m))};
 }
 Unpolarized conductor_facets::phase(const vec3<Float>& back, const vec3<Float>& side, const Mask&,
-                                    const Float& area) const {
-  const vec3<Float> m = reflecting_facet(back, side);
-  return reflectance(dot(back, m)) *
-         pdf_of_mirrors<Float>({normals_.D(roughness_, m, resolution_of(back, m)), area, Float(0)});
+                                    const Float& sigma) const {
+  const half_vector<Float> m = half_vector_reflection(back, side);
+  return reflectance(m.cosine) *
+         pdf_of_mirrors(normals_at(normals_, roughness_, back).D(m.m), Float(Float(1) / sigma));
 }
 
 conductor_facets rough_conductor::facets_at(const Interaction& si, const roughness& r,
@@ -93,11 +103,7 @@ Spectrum rough_conductor::polarised(const mi::BSDFContext& context, const Intera
   }(Spectrum(0.F));
 }
 
-Float rough_conductor::guide(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo) const {
-  const Float first_order = pdf_of_mirrors(statistics(r, wi, wo, reflecting_facet(wi, wo)));
-  return guide(wo.z, first_order);
-}
-Float rough_conductor::guide(const Float& wo_z, const Float& first_order) {
+Float rough_conductor::proposal_pdf(const Float& wo_z, const Float& first_order) {
   constexpr float diffuse = 0.2F;
   return (first_order + Float(diffuse / pi) * maximum(wo_z, Float(0))) * Float(1 / (1 + diffuse));
 }
@@ -110,17 +116,18 @@ std::pair<Spectrum, Float> rough_conductor::eval_pdf(const mi::BSDFContext& cont
     return {Spectrum(0.F), Float(0)};
   const roughness r = roughness_at(si, active);
   const conductor_facets facets = facets_at(si, r, active);
-  const vec3<Float> m = reflecting_facet(wi, wo);
-  const facet_statistics<Float> at = statistics(r, wi, wo, m);
-  Float pdf = pdf_of_mirrors(at);
-  const Float leaving = pdf * shadowing<false>(wi.z, wo.z, at, correlated_);
-  const Unpolarized first = facets.reflectance(dot(wi, m)) * select(active, leaving, Float(0));
-  Spectrum value = polarised(context, si, wo_, m, facets, first);
+  const mirror_pair pair = mirrors(wi, wo);
+  const half_vector<Float> m = pair.half_vector();
+  const facet_statistics<Float> at = pair.statistics(normals_at(*distribution_, r, wi), m.m);
+  Float pdf = pdf_of_mirrors(at.D, at.inverse_sigma);
+  const Float leaving = pdf * pair.leaving(at, correlated_, true);
+  const Unpolarized first = facets.reflectance(m.cosine) * select(active, leaving, Float(0));
+  Spectrum value = polarised(context, si, wo_, normalize(m.m), facets, first);
   if (multiple_) {
-    refuse_gradients(r, facets.eta, facets.k, facets.tint);
+    reject_gradients(r, facets.eta, facets.k, facets.tint);
     const walk_seed seed = walk_seed::of(wi.x, wi.y, wi.z, wo.x, wo.y, wo.z, si.p.x(), si.p.y());
     value += depolarised(facet_walk(*distribution_, r, facets, seed).rest(wi, wo, active));
-    pdf = guide(wo.z, pdf);
+    pdf = proposal_pdf(wo.z, pdf);
   }
   return {value & active, select(active, pdf, Float(0))};
 }
@@ -137,20 +144,24 @@ std::pair<Sample, Spectrum> rough_conductor::sample(const mi::BSDFContext& conte
   result.eta = 1.F, result.sampled_component = 0;
   result.sampled_type = UInt32(+mi::BSDFFlags::GlossyReflection);
   if (multiple_) {
-    refuse_gradients(r, facets.eta, facets.k, facets.tint);
+    reject_gradients(r, facets.eta, facets.k, facets.tint);
     const walk_seed seed = walk_seed::of(sample1, sample2.x(), sample2.y());
     const auto [wo, left, once] = facet_walk(*distribution_, r, facets, seed).sample(wi, active);
     active &= wo.z > Float(0);
     result.wo = dr::select(active, local(wo), dr::zeros<Vector3>());
-    result.pdf = select(active, guide(r, wi, wo), Float(0));
+    const vec3<Float> m = half_vector_reflection(wi, wo).m;
+    const normals_at normals(*distribution_, r, wi);
+    const Float first_order = pdf_of_mirrors(normals.D(m), inverse_sigma(normals, wi));
+    result.pdf = select(active, proposal_pdf(wo.z, first_order), Float(0));
     // Only the first order keeps its polarisation, as in eval.
-    const Spectrum first = polarised(context, si, result.wo, reflecting_facet(wi, wo), facets, left);
+    const Spectrum first = polarised(context, si, result.wo, normalize(m), facets, left);
     return {result, dr::select(once, first, depolarised(left)) & active & (result.pdf > Float(0))};
   }
   const vec3<Float> m = visible(r, wi, sample2), wo = reflect(wi, m);
-  const facet_statistics<Float> at = statistics(r, wi, wo, m);
-  const Float pdf = pdf_of_mirrors(at);
-  Float weight = shadowing<false>(wi.z, wo.z, at, correlated_);
+  const mirror_pair pair = mirrors(wi, wo);
+  const facet_statistics<Float> at = pair.statistics(normals_at(*distribution_, r, wi), m);
+  const Float pdf = pdf_of_mirrors(at.D, at.inverse_sigma);
+  Float weight = pair.leaving(at, correlated_, true);
   // The direction stands still: what changes of its value is that of the density, too.
   if (differentiated(r)) weight = weight * pdf / dr::detach(pdf);
   active &= (wo.z > Float(0)) & (pdf > Float(0)) & (pdf < Float(inf));
@@ -167,11 +178,13 @@ Spectrum rough_conductor::eval_diffuse_reflectance(const Interaction& si, Mask a
   active &= wi.z > Float(0);
   const roughness r = roughness_at(si, active);
   const conductor_facets facets = facets_at(si, r, active);
-  const Float area = distribution_->sigma(r, wi);
+  const mirror_pair pair = mirrors(wi, wi);
+  const normals_at normals(*distribution_, r, wi);
+  const Float inverse = inverse_sigma(normals, wi);
   return depolarised(mean_of_draws(si, active, [&](const draw& xi) {
     if (multiple_) return facet_walk(*distribution_, r, facets, xi.seed()).sample(wi, active).left;
-    const vec3<Float> m = distribution_->sample_visible(r, wi, xi.facet), wo = reflect(wi, m);
-    return facets.reflectance(dot(wi, m)) * leaving_share<false>(r, wi, wo, area);
+    const vec3<Float> m = distribution_->sample_visible(r, wi, xi.facet);
+    return facets.reflectance(dot(wi, m)) * leaving_share(normals, pair.drawn(m, xi.facet[0]), inverse);
   }));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "albedo.hpp"
+#include "microfacet/bsdf/scattering_pair.hpp"
 #include "rough_bsdf.hpp"
 #include "walk.hpp"
 
@@ -16,7 +17,7 @@ class conductor_facets {
   facet_event scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask& below,
                       const Float& xi) const;
   Unpolarized phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
-                    const Float& area) const;
+                    const Float& sigma) const;
 
   Unpolarized eta, k, tint = Unpolarized(1.F);
   bool mirror = true;
@@ -46,8 +47,7 @@ class rough_conductor final : public rough_bsdf {
   conductor_facets facets_at(const Interaction& si, const roughness& r, const Mask& active) const;
   // The density by which directions are weighed beside other strategies: not that of the walk, which has no
   // closed form, but one of like shape.
-  static Float guide(const Float& wo_z, const Float& first_order);
-  Float guide(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo) const;
+  static Float proposal_pdf(const Float& wo_z, const Float& first_order);
   // Light that a facet reflects, as a Mueller matrix where light is polarised.
   static Spectrum polarised(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
                             const vec3<Float>& m, const conductor_facets& facets, const Unpolarized& value);

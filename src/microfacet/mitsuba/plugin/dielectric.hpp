@@ -2,7 +2,7 @@
 #pragma once
 
 #include "albedo.hpp"
-#include "microfacet/bsdf/dielectric.hpp"
+#include "microfacet/bsdf/scattering_pair.hpp"
 #include "rough_bsdf.hpp"
 #include "walk.hpp"
 
@@ -17,7 +17,7 @@ class dielectric_facets {
   facet_event scatter(const vec3<Float>& back, const vec3<Float>& m, const Mask& below,
                       const Float& xi) const;
   Unpolarized phase(const vec3<Float>& back, const vec3<Float>& side, const Mask& below,
-                    const Float& area) const;
+                    const Float& sigma) const;
   Unpolarized tint(const Mask& passed) const { return dr::select(passed, passed_tint, mirrored_tint); }
 
   Unpolarized mirrored_tint = Unpolarized(1.F), passed_tint = Unpolarized(1.F);
@@ -53,30 +53,20 @@ class rough_dielectric final : public rough_bsdf {
           transmission(context.is_enabled(mi::BSDFFlags::GlossyTransmission, 1)) {}
     bool both() const { return reflection && transmission; }
   };
-  // A pair of directions in coordinates in which wi is above; the facet between them is asked.
-  struct meeting {
-    vec3<Float> wi, wo;
-    dielectric<Float> material;
-    Float turned;
-    meeting(const rough_dielectric& of, const vec3<Float>& wi, const vec3<Float>& wo);
-  };
+  using local_pair = scattering_pair<dielectric<Float>, Float>;
 
-  // The density of directions drawn, and what a direction keeps of it on its way out.
-  Float density(const meeting& at, const vec3<Float>& m, const facet_statistics<Float>& facets,
-                const components& wanted) const;
-  Float leaving(const mi::BSDFContext& context, const meeting& at,
-                const facet_statistics<Float>& facets) const;
-  // Radiance is a density of directions, which refraction crowds or spreads.
-  static Float radiance_scale(const mi::BSDFContext& context, const meeting& at);
-  dielectric_facets facets_at(const Interaction& si, const roughness& r, const meeting& at,
+  // The density of directions drawn, where perhaps one component alone is wanted.
+  static Float density(const local_pair& at, const half_vector<Float>& m, const facet_statistics<Float>& facets,
+                       const components& wanted);
+  dielectric_facets facets_at(const Interaction& si, const roughness& r, const local_pair& at,
                               const Mask& active) const;
   // As rough_conductor's.
-  static Float guide(const Float& wo_z, const Float& first_order);
+  static Float proposal_pdf(const Float& wo_z, const Float& first_order);
   std::pair<Sample, Spectrum> walk(const mi::BSDFContext& context, const Interaction& si,
                                    const Float& sample1, const Point2& sample2, const Mask& active) const;
   // Light that a facet sends to wo, as a Mueller matrix where light is polarised.
   Spectrum polarised(const mi::BSDFContext& context, const Interaction& si, const Vector3& wo,
-                     const meeting& at, const vec3<Float>& m, const Unpolarized& value) const;
+                     const local_pair& at, const vec3<Float>& m, const Unpolarized& value) const;
 
   Float eta_ = Float(1);  // below the surface over above
   mi::ref<Texture> specular_reflectance_, specular_transmittance_;

@@ -89,13 +89,6 @@ roughness rough_bsdf::roughness_at(const Interaction& si, const Mask& active) co
   return {u, at(alpha_v_), false, cosine, sine};
 }
 
-facet_statistics<Float> rough_bsdf::statistics(const roughness& r, const vec3<Float>& wi,
-                                               const vec3<Float>& wo, const vec3<Float>& m) const {
-  const vec3<Float> blocking = scaled(wo, Float(select(wo.z > Float(0), Float(-1), Float(1))));
-  return {distribution_->D(r, m, resolution_of(wi, m)), distribution_->sigma(r, wi),
-          distribution_->sigma(r, blocking)};
-}
-
 vec3<Float> rough_bsdf::visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const {
   const auto [a, b] = mi::sample_tea_32<UInt32>(bits_of(sample.x()), bits_of(sample.y()), 6);
   const std::array<Float, 4> xi{off_zero(sample.x()), off_zero(sample.y()), uniform_of_word(a),

@@ -46,6 +46,23 @@ inline Float resolution_of(const vec3<Float>& wi, const vec3<Float>& m) {
   return dr::detach(Float(1e-7F) / maximum(Float(abs(dot(wi, m))), Float(1e-3F)));
 }
 
+// The distribution at a place of the surface, as the assembly of bsdf/scattering_pair.hpp asks for it of light from wi.
+class normals_at {
+ public:
+  normals_at(const distribution& normals, const roughness& r, const vec3<Float>& wi)
+      : normals_(normals), roughness_(r), wi_(wi) {}
+  Float D(const vec3<Float>& m) const {
+    const vec3<Float> unit = scaled(m, Float(Float(1) / sqrt(maximum(dot(m, m), smallest<Float>()))));
+    return normals_.D(roughness_, unit, resolution_of(wi_, unit));
+  }
+  Float sigma(const vec3<Float>& w) const { return normals_.sigma(roughness_, w); }
+
+ private:
+  const distribution& normals_;
+  roughness roughness_;
+  vec3<Float> wi_;
+};
+
 class rough_bsdf : public Base {
  public:
   void traverse(mi::TraversalCallback* callback) override;
@@ -72,24 +89,18 @@ class rough_bsdf : public Base {
   }
 
   roughness roughness_at(const Interaction& si, const Mask& active) const;
-  // Density at m, area of the facets that wi sees, and that in the way of wo on either side.
-  facet_statistics<Float> statistics(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo,
-                                     const vec3<Float>& m) const;
-  // Of light that a facet sends to wo, the part that leaves there: 0 where wo is not on the side it has to
-  // be.
-  template <bool Transmits>
-  Float leaving_share(const roughness& r, const vec3<Float>& wi, const vec3<Float>& wo, const Float& area,
-                      const Mask& passed = Mask(false)) const {
-    const Float side = select(passed, Float(-1), Float(1));
-    const Float blocking = distribution_->sigma(r, scaled(wo, Float(-side)));
-    const Float share = shadowing<Transmits>(wi.z, wo.z, {Float(0), area, blocking}, correlated_);
-    return select((wo.z * side > Float(0)) & (share > Float(0)), share, Float(0));
+  // Of light that a facet sends on, the part that leaves, for a pair that was drawn and inverse = 1/sigma(wi).
+  template <class Pair>
+  Float leaving_share(const normals_at& normals, const Pair& drawn, const Float& inverse) const {
+    const Float share =
+        drawn.leaving_side({Float(0), inverse, sigma_out(normals, drawn.wo())}, correlated_);
+    return select(share > Float(0), share, Float(0));
   }
   // A normal that wi sees, from the two uniform numbers of a sample and more that are made of their bits.
   vec3<Float> visible(const roughness& r, const vec3<Float>& wi, const Point2& sample) const;
-  // Walks cannot be differentiated: says so rather than leaving their part out.
+  // Walks cannot be differentiated: throws an error that says so, rather than leaving their part out.
   template <class... Values>
-  void refuse_gradients(const roughness& r, const Values&... values) const {
+  void reject_gradients(const roughness& r, const Values&... values) const {
     if (differentiated(r) || (dr::grad_enabled(values) || ...))
       throw std::runtime_error(
           plugin_ + ": scattering = multiple cannot be differentiated; use single, or detach the parameters");

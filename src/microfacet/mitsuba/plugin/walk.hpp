@@ -1,5 +1,5 @@
-// Scattering of all orders: the random walk of bsdf/walk/random_walk.hpp as one traced loop. Random numbers are
-// functions of two words and of the number of facets met.
+// Scattering of all orders: the random walk of bsdf/walk/step.hpp as one traced loop. Random numbers are functions of
+// two words and of the number of facets met.
 #pragma once
 
 #include <drjit/while_loop.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <tuple>
 
-#include "microfacet/bsdf/walk/random_walk.hpp"
+#include "microfacet/bsdf/walk/step.hpp"
 #include "rough_bsdf.hpp"
 
 namespace microfacet::plugin {
@@ -37,7 +37,7 @@ struct walk_seed {
 
 // `Facets` says what facets do:
 //   scatter(back, m, below, xi)      a facet_event
-//   phase(back, side, below, area)   what they send from `back`, which sees `area`, to `side`, per steradian
+//   phase(back, side, below, sigma)  what they send from `back`, which sees the area `sigma`, to `side`, per steradian
 template <class Facets>
 class facet_walk {
  public:
@@ -61,16 +61,13 @@ class facet_walk {
 
   // f |cos wo| of the second order and above, by one walk.
   Unpolarized rest(const vec3<Float>& wi, const vec3<Float>& wo, const Mask& active) const {
-    // As the side on which light leaves names the direction, and the area in its way.
     const auto leaves_below = wo.z < Float(0);
     const vec3<Float> out = scaled(wo, select(leaves_below, Float(-1), Float(1)));
-    const Float blocking = normals_.sigma(roughness_, scaled(out, Float(-1)));
-    const auto send = [&](state& s, const vec3<Float>& back, const Float& area) {
-      const auto crossed = leaves_below ^ s.below;
-      const vec3<Float> side = scaled(out, select(crossed, Float(-1), Float(1)));
-      const Float from = select(crossed, depth_from_below(s.depth), s.depth);
-      const Unpolarized part =
-          s.throughput * facets_.phase(back, side, s.below, area) * escape(from, out.z, blocking);
+    const walk_target<Float> target{out, normals_.sigma(roughness_, scaled(out, Float(-1)))};
+    const auto send = [&](state& s, const vec3<Float>& back, const Float& sigma) {
+      const auto crosses = leaves_below ^ s.below;
+      const Unpolarized part = s.throughput * facets_.phase(back, target.seen_from(crosses), s.below, sigma) *
+                               target.reached_from(s.depth, crosses);
       s.sum += part & (s.alive & (s.met > UInt32(0)));
     };
     const state end = run(start(wi, active), send);
@@ -78,8 +75,6 @@ class facet_walk {
   }
 
  private:
-  static constexpr std::uint32_t most_facets = 1024, first_roulette = 4;
-
   struct state {
     Vector3 w;
     Float depth;
@@ -116,25 +111,20 @@ class facet_walk {
   void step(state& s, const Send& send) const {
     const std::array<Float, 8> xi = uniforms(s.met);
     const vec3<Float> back = scaled(local(s.w), Float(-1));
-    const Float area = normals_.sigma(roughness_, back);
-    s.depth = select(s.alive, depth_after(s.depth, Float(s.w.z()), area, xi[0]), s.depth);
+    const Float sigma = normals_.sigma(roughness_, back);
+    s.depth = select(s.alive, depth_after(s.depth, Float(s.w.z()), sigma, xi[0]), s.depth);
     s.alive &= s.depth >= Float(0);  // also where it is nan
-    send(s, back, area);
+    send(s, back, sigma);
     const vec3<Float> m = normals_.sample_visible(roughness_, back, {xi[1], xi[2], xi[3], xi[4]});
     const facet_event e = facets_.scatter(back, m, s.below, xi[5]);
-    const auto passed = e.passed & s.alive;
-    s.w = dr::select(s.alive, local(scaled(e.w, select(e.passed, Float(-1), Float(1)))), s.w);
-    s.depth = select(passed, depth_from_below(s.depth), s.depth);
-    s.below = s.below ^ passed;
-    // Russian roulette as in bsdf/walk/random_walk.hpp; but after very many facets light is lost.
     const Unpolarized throughput = s.throughput * e.factor;
-    const Float faint = minimum(maximum(Float(dr::max(throughput) * 4.F), Float(0.05F)), Float(1));
-    const Float chance = select(s.met >= UInt32(first_roulette), faint, Float(1));
-    const auto goes_on = (xi[6] < chance) & (s.met < UInt32(most_facets));
-    s.throughput = dr::select(s.alive, throughput / Unpolarized(chance), s.throughput);
-    const auto stopped = s.alive & !goes_on;
-    s.throughput = dr::select(stopped, Unpolarized(0.F), s.throughput);
-    s.alive &= goes_on;
+    const light_behind<Float> light =
+        behind_facet(e.w, e.passed, s.depth, Float(dr::max(throughput)), Float(s.met), xi[6]);
+    s.w = dr::select(s.alive, local(light.w), s.w);
+    s.depth = select(s.alive, light.depth, s.depth);
+    s.below = s.below ^ (e.passed & s.alive);
+    s.throughput = dr::select(s.alive, throughput * Unpolarized(light.factor), s.throughput);
+    s.alive &= dr::max(s.throughput) > Float(0);
     s.met += 1U;
   }
 
