@@ -4,6 +4,7 @@
 
 * exp: e^r = 1 + r + r^2 P(r) for |r| <= ln(2)/2.
 * log: log((1 + s)/(1 - s)) = 2 s + s^3 R(s^2), where (1 + s)/(1 - s) lies in [sqrt(1/2), sqrt(2)].
+* log_of_quotient: the same, where (1 + s)/(1 - s) lies in [2/3, 3/2].
 * log_polynomial: log(1 + f) = f - f^2/2 + f^3 Q(f), 1 + f as above; no division.
 * sin, cos: sin(pi y/2) = y S(y^2) and cos(pi y/2) = C(y^2) for |y| <= 1/2.
 """
@@ -90,6 +91,13 @@ SERIES = {
         lambda u: u / log_of_ratio(u),
         (mpf(0), MARGIN * LOG_END**2),
         (2, 6),
+    ),
+    "log_of_quotient": Series(
+        "log((1 + s)/(1 - s)) = 2 s + s^3 R(s^2), |s| <= 1/5",
+        near_zero([mpf(2) / 3, mpf(2) / 5], lambda u: (log_of_ratio(u) - 2) / u),
+        lambda u: u / log_of_ratio(u),
+        (mpf(0), MARGIN / 25),
+        (2, 7),
     ),
     "log_polynomial": Series(
         "log(1 + f) = f - f^2/2 + f^3 Q(f), sqrt(1/2) <= 1 + f <= sqrt(2)",

@@ -64,6 +64,9 @@ struct policy {
       searches || iterates || (requires { Operation::samples_from_tables; } && std::is_same_v<Real, double>);
   static constexpr bool in_closed_form = requires { &family::sf_over_density; };
 
+  // All that the operation needs of the density is a short closed form.
+  static constexpr bool in_short_form = (Operation::functions & family::tabulate) == 0 && !samples_visible && !iterates;
+
   template <class Real>
   static constexpr bool computes_in = std::is_same_v<Real, double> || family::float32_arithmetic;
 
@@ -81,8 +84,8 @@ struct policy {
 };
 
 template <class Model, class Operation, class Lanes>
-void evaluate_varying(const void*, const lane_of<Lanes>* const* in, lane_of<Lanes>* const* out,
-                      std::ptrdiff_t n) {
+MICROFACET_INLINE void evaluate_parameters(const lane_of<Lanes>* const* in, lane_of<Lanes>* const* out,
+                                           std::ptrdiff_t n) {
   for (std::ptrdiff_t i = 0; i < n; i += width<Lanes>) {
     const auto p = [&]<std::size_t... I>(std::index_sequence<I...>) {
       return std::array<double_double<Lanes>, Model::count>{
@@ -92,18 +95,34 @@ void evaluate_varying(const void*, const lane_of<Lanes>* const* in, lane_of<Lane
   }
 }
 
+template <class Model, class Operation, class Lanes>
+void evaluate_varying(const void*, const lane_of<Lanes>* const* in, lane_of<Lanes>* const* out,
+                      std::ptrdiff_t n) {
+  evaluate_parameters<Model, Operation, Lanes>(in, out, n);
+}
+// The same without a call inside: what an operation does not need of the parameters is not made of them.
+template <class Model, class Operation, class Lanes>
+[[gnu::flatten]] void evaluate_varying_flat(const void*, const lane_of<Lanes>* const* in,
+                                            lane_of<Lanes>* const* out, std::ptrdiff_t n) {
+  evaluate_parameters<Model, Operation, Lanes>(in, out, n);
+}
+
 template <class Model, class Operation, bool Varying, class Real>
 constexpr kernel_set<Real> kernels_of() {
   using p = policy<Model, Operation>;
   kernel_set<Real> k;
   if constexpr (!p::searches && p::template computes_in<Real>) {
     using own = decltype(constant_distribution<Model, lanes<Real>>({}));
-    if constexpr (Model::family::tabulate == 0 && !p::iterates) {
+    if constexpr (p::in_short_form) {
       k.constant = &evaluate_flat<Operation, lanes<Real>, own>;
     } else {
       k.constant = &evaluate_constant<Operation, lanes<Real>, own>;
     }
-    if constexpr (Varying) k.varying = &evaluate_varying<Model, Operation, lanes<Real>>;
+    if constexpr (Varying && p::in_short_form) {
+      k.varying = &evaluate_varying_flat<Model, Operation, lanes<Real>>;
+    } else if constexpr (Varying) {
+      k.varying = &evaluate_varying<Model, Operation, lanes<Real>>;
+    }
   }
   if constexpr (p::template prepares<Real> || (p::samples_from_tables && std::is_same_v<Real, float>)) {
     constexpr bool one_register = p::template one_register<Real>;

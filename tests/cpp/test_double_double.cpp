@@ -1,7 +1,8 @@
-// Sums of two numbers: the error-free transforms are exact, and the rest keeps twice the digits, with and
-// without an instruction that rounds a * b + c once.
+// Numbers with the digits that an exponent needs: the error-free transforms are exact, the rest keeps twice the
+// digits in float and those of one number in double, with and without an instruction that rounds a * b + c once.
 
 #include "microfacet/core/double_double.hpp"
+#include "microfacet/core/log_of_quotient.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -39,14 +40,12 @@ wide exactly(T x) {
 }
 template <class T>
 long double value(const double_double<T>& x) {
-  return static_cast<long double>(x.high) + static_cast<long double>(x.low);
+  return static_cast<long double>(x.high) + static_cast<long double>(low_of(x));
 }
 
-// Four roundings of a double_double, or of a long double where that has fewer digits.
+// Four roundings of a sum of two floats, one of a double.
 template <class T>
-constexpr double tight =
-    4 * std::max(double(std::numeric_limits<T>::epsilon()) * double(std::numeric_limits<T>::epsilon()),
-                 double(std::numeric_limits<long double>::epsilon()));
+constexpr double tight = mf::one_number<T> ? 0x1p-53 : 4 * 0x1p-46;
 template <class T>
 double error(const double_double<T>& got, long double want) {
   return static_cast<double>(std::abs((value(got) - want) / want));
@@ -59,16 +58,19 @@ void transforms_are_exact() {
     const T a = random.next(40), b = random.next(40);
     const check::note at("a = ", a, ", b = ", b);
     const double_double<T> sum = mf::two_sum(a, b), product = mf::two_prod(a, b);
-    CHECK(sum.high == a + b && exactly(sum.high) + exactly(sum.low) == exactly(a) + exactly(b));
-    CHECK(product.high == a * b && product.low == std::fma(a, b, -(a * b)));
+    const T lost_of_sum = mf::two_sum_error(a, b, sum.high), lost = mf::two_prod_error(a, b, product.high);
+    CHECK(sum.high == a + b && exactly(sum.high) + exactly(lost_of_sum) == exactly(a) + exactly(b));
+    CHECK(product.high == a * b && lost == std::fma(a, b, -(a * b)));
     const T larger = std::abs(a) < std::abs(b) ? b : a, smaller = std::abs(a) < std::abs(b) ? a : b;
     const double_double<T> ordered = mf::fast_two_sum(larger, smaller);
-    CHECK(ordered.high == sum.high && ordered.low == sum.low);
+    CHECK(ordered.high == sum.high);
+    if constexpr (!mf::one_number<T>)
+      CHECK(sum.low == lost_of_sum && product.low == lost && ordered.low == lost_of_sum);
   }
 }
 
 template <class T>
-void arithmetic_keeps_twice_the_digits() {
+void arithmetic_keeps_the_digits() {
   numbers<T> random;
   for (int i = 0; i < 20000; ++i) {
     const double_double<T> a = mf::two_prod(random.next(8), random.next(8));
@@ -85,7 +87,7 @@ void arithmetic_keeps_twice_the_digits() {
   }
 }
 
-// exp keeps the digits of T at exponents far from 0; log_double_double keeps more than T has.
+// exp keeps the digits of T at exponents far from 0, scaled or not; logarithms keep more than float has.
 template <class T>
 void exponents() {
   constexpr double rounding = std::numeric_limits<T>::epsilon();
@@ -95,12 +97,40 @@ void exponents() {
     const double_double<T> x = mf::two_prod(a, b);
     const check::note at("x = ", value(x));
     CHECK_NEAR(exp(x) / std::exp(value(x)), 1, 1.5 * rounding);
+    const double_double<T> size = abs(x);
+    for (const double factor : {1.0, 1e30})
+      CHECK_NEAR(times_exp_minus(static_cast<T>(factor), size) /
+                     (static_cast<T>(factor) * std::exp(-value(size))),
+                 1, 2 * rounding);
     const double_double<T> positive = mf::two_prod(a, a);
     const long double logarithm = std::log(value(positive));
-    CHECK(std::abs(value(log_double_double(positive)) - logarithm) <
-          0.5 * rounding * (std::abs(logarithm) < 0.5L ? std::abs(logarithm) * 2 + 1e-3L : 1.0L));
+    const long double unit = mf::one_number<T> ? 4 * std::abs(logarithm) + 1e-3L
+                             : std::abs(logarithm) < 0.5L ? std::abs(logarithm) * 2 + 1e-3L
+                                                          : 1.0L;
+    CHECK(std::abs(value(log_double_double(positive)) - logarithm) < 0.5 * rounding * unit);
     const long double logarithm1 = std::log1p(value(positive));
-    CHECK(std::abs(value(log1p_double_double(positive)) - logarithm1) < 0.5 * rounding);
+    CHECK(std::abs(value(log1p_double_double(positive)) - logarithm1) <
+          0.5 * rounding * (mf::one_number<T> ? 4 * logarithm1 : 1.0L));
+    CHECK(std::abs(mf::log_of_sum(positive.high, T(1)) - logarithm1) < 2 * rounding * logarithm1);
+  }
+}
+
+// log(1 + a/b) and 1/(a + b) from quotients that are nothing to such that 1 is nothing beside them.
+template <class T>
+void quotients() {
+  constexpr double rounding = std::numeric_limits<T>::epsilon();
+  const double reach = mf::one_number<T> ? 300 : 30;
+  numbers<T> random;
+  for (int i = 0; i < 20000; ++i) {
+    const double exponent = -reach + 2 * reach * i / 20000;
+    const T factor = static_cast<T>(std::pow(10.0, exponent)), root = random.next(3);
+    const double_double<T> b = mf::two_prod(root, root), a = mf::two_prod(factor, random.next(1)) * abs(b);
+    if (!(a.high > 0)) continue;
+    const check::note at("a = ", value(a), ", b = ", value(b));
+    const mf::log_of_quotient<T> got = log1p_of_quotient(a, b);
+    const long double logarithm = std::log1p(value(a) / value(b));
+    CHECK(std::abs(value(got.log) / logarithm - 1) < (mf::one_number<T> ? 2.5 : 0.1) * rounding);
+    CHECK_NEAR(got.reciprocal * (value(a) + value(b)), 1, 2.5 * rounding);
   }
 }
 
@@ -110,9 +140,12 @@ void limits() {
   for (const T x : {T(0), T(1), inf}) {
     const double_double<T> t(x);
     CHECK(exp(-t) == std::exp(-x) && exp(-(t * t)) == std::exp(-x * x));
+    CHECK(times_exp_minus(T(1), t) == std::exp(-x) && times_exp_minus(T(0), t) == 0);
     CHECK(log_double_double(t).high == std::log(x) && log1p_double_double(t).high == std::log1p(x));
     CHECK(square(t).high == x * x);
   }
+  CHECK(std::isnan(times_exp_minus(mf::nan<T>(), double_double<T>(1))) &&
+        std::isnan(times_exp_minus(T(1), double_double<T>(mf::nan<T>()))));
   CHECK(std::isnan(exp(double_double<T>(mf::nan<T>()))) &&
         std::isnan(log_double_double(double_double<T>(mf::nan<T>())).high));
 }
@@ -124,7 +157,9 @@ void packs_agree() {
   std::vector<T> values, results;
   const auto through_all = []<class R>(const R& x) {
     const double_double<R> x2 = mf::two_prod(x, R(x + R(1)));
-    return exp(-(log1p_double_double(square(x2)) + sqrt(abs(quotient(x2, double_double<R>(R(3)))))));
+    const auto l = log1p_of_quotient(square(x2), double_double<R>(R(3)));
+    return R(times_exp_minus(l.reciprocal, l.log) +
+             exp(-(log1p_double_double(square(x2)) + sqrt(abs(quotient(x2, double_double<R>(R(3))))))));
   };
   for (int i = 0; i < 300; ++i) {
     values.push_back(random.next(3));
@@ -137,9 +172,10 @@ void packs_agree() {
 }  // namespace
 
 TEST(transforms_are_exact) { transforms_are_exact<float>(), transforms_are_exact<double>(); }
-TEST(arithmetic_keeps_twice_the_digits) {
-  arithmetic_keeps_twice_the_digits<float>(), arithmetic_keeps_twice_the_digits<double>();
+TEST(arithmetic_keeps_the_digits) {
+  arithmetic_keeps_the_digits<float>(), arithmetic_keeps_the_digits<double>();
 }
 TEST(exponents) { exponents<float>(), exponents<double>(); }
+TEST(quotients) { quotients<float>(), quotients<double>(); }
 TEST(limits) { limits<float>(), limits<double>(); }
 TEST(packs_agree) { packs_agree<float>(), packs_agree<double>(); }

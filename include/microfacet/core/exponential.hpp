@@ -56,18 +56,17 @@ MICROFACET_INLINE R expm1(const R& x) {
 template <class R>
 MICROFACET_INLINE R times_power(const R& value, const R& shifted) {
   using f = format<R>;
-#if MICROFACET_VECTOR_EXTENSIONS && defined(__AVX512F__)
-  if constexpr (sizeof(R) % 64 == 0) {
+  if constexpr (requires { registers::times_power(value.v[0], value.v[0]); }) {
     const R n = shifted - R(f::round);
     return R::from([&](int k) { return registers::times_power(value.v[k], n.v[k]); });
+  } else {
+    // In two steps, since a power of two alone may leave the format; the shift drops the bits of `round`.
+    const integers<R> n = bits(shifted), half = n >> 1, one = bits(R(1));
+    const R first = from_bits(wrapping_sum(integers<R>(half << f::mantissa), one), value);
+    const R second = from_bits(
+        wrapping_sum(integers<R>(wrapping_difference(n, half) << f::mantissa), one), value);
+    return rounded(R(value * first)) * second;
   }
-#endif
-  // In two steps, since a power of two alone may leave the format; the shift drops the bits of `round`.
-  const integers<R> n = bits(shifted), half = n >> 1, one = bits(R(1));
-  const R first = from_bits(wrapping_sum(integers<R>(half << f::mantissa), one), value);
-  const R second = from_bits(
-      wrapping_sum(integers<R>(wrapping_difference(n, half) << f::mantissa), one), value);
-  return rounded(R(value * first)) * second;
 }
 // factor exp(-(x + low)) for x >= 0 and factor < 2^119 (2^1000): scaled last, it underflows only where the result
 // does. Error 1.5 ulp besides those of x.

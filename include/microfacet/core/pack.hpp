@@ -87,6 +87,10 @@ struct pack {
   MICROFACET_INLINE friend pack from_bits(const integers& a, const pack&)  // the pack only names the type
     MICROFACET_EACH(pack, a.v[k])
   MICROFACET_INLINE friend pack sqrt(const pack& a) MICROFACET_EACH(pack, registers::sqrt(a.v[k]))
+  MICROFACET_INLINE friend pack maximum(const pack& a, const pack& b)
+    MICROFACET_EACH(pack, registers::maximum(a.v[k], b.v[k]))
+  MICROFACET_INLINE friend pack minimum(const pack& a, const pack& b)
+    MICROFACET_EACH(pack, registers::minimum(a.v[k], b.v[k]))
 #if MICROFACET_FUSED
   MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c)
     MICROFACET_EACH(pack, registers::fused(a.v[k], b.v[k], c.v[k]))

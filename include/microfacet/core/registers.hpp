@@ -1,5 +1,5 @@
-// The instructions that a register's operators do not reach: a * b + c rounded once, sqrt, and whether any
-// lane of a mask is set. On x86-64 by name, elsewhere by a loop over the lanes that the compiler turns into
+// The instructions that a register's operators do not reach: a * b + c rounded once, sqrt, the larger and the
+// smaller of two (a unless b is larger, or smaller, so that a nan in a stays), and whether any lane of a mask is set. On x86-64 by name, elsewhere by a loop over the lanes that the compiler turns into
 // the instruction if it can.
 #pragma once
 
@@ -23,7 +23,15 @@ MICROFACET_INLINE Vector fused(Vector a, const Vector& b, const Vector& c) {
   for (unsigned i = 0; i < sizeof a / sizeof a[0]; ++i) a[i] = std::fma(a[i], b[i], c[i]);
   return a;
 }
-// Of lanes that are 0 or -1.
+template <class Vector>
+MICROFACET_INLINE Vector maximum(const Vector& a, const Vector& b) {
+  return a < b ? b : a;
+}
+template <class Vector>
+MICROFACET_INLINE Vector minimum(const Vector& a, const Vector& b) {
+  return a > b ? b : a;
+}
+// Whether any lane is set of lanes that are 0 or -1.
 template <class Vector>
 MICROFACET_INLINE bool any_lane(const Vector& mask) {
 #if defined(__x86_64__)
@@ -37,6 +45,10 @@ MICROFACET_INLINE bool any_lane(const Vector& mask) {
 #if defined(__AVX512F__)
   if constexpr (sizeof mask == 64) {
     const __m512i all = reinterpret_cast<__m512i>(mask);
+#if defined(__AVX512DQ__)  // the mask as the comparison left it
+    if constexpr (sizeof mask[0] == 4) return _mm512_movepi32_mask(all) != 0;
+    if constexpr (sizeof mask[0] == 8) return _mm512_movepi64_mask(all) != 0;
+#endif
     return _mm512_test_epi64_mask(all, all) != 0;
   }
 #endif
@@ -47,8 +59,10 @@ MICROFACET_INLINE bool any_lane(const Vector& mask) {
 }
 
 #if defined(__x86_64__)
-#define MICROFACET_REGISTER(TYPE, PREFIX, SUFFIX) \
-  MICROFACET_INLINE TYPE sqrt(TYPE a) { return PREFIX##_sqrt_##SUFFIX(a); }
+#define MICROFACET_REGISTER(TYPE, PREFIX, SUFFIX)                                         \
+  MICROFACET_INLINE TYPE sqrt(TYPE a) { return PREFIX##_sqrt_##SUFFIX(a); }               \
+  MICROFACET_INLINE TYPE maximum(TYPE a, TYPE b) { return PREFIX##_max_##SUFFIX(b, a); } \
+  MICROFACET_INLINE TYPE minimum(TYPE a, TYPE b) { return PREFIX##_min_##SUFFIX(b, a); }
 #define MICROFACET_FUSED_REGISTER(TYPE, PREFIX, SUFFIX) \
   MICROFACET_INLINE TYPE fused(TYPE a, TYPE b, TYPE c) { return PREFIX##_fmadd_##SUFFIX(a, b, c); }
 MICROFACET_REGISTER(__m128, _mm, ps)

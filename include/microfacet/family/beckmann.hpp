@@ -30,7 +30,7 @@ inline constexpr bool reads_excess_table =
 }  // namespace detail
 
 template <class T>
-class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_excess | part::tail_quotients |
+class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
                                                part::quantile_across | part::mixture_sampling |
                                                (detail::reads_excess_table<T> ? part::excess_quantile : 0U)> {
  public:
@@ -58,9 +58,10 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_excess
   T slope_excess(const slope<T>& x) const {
     return times_exp_minus(T(T(0.5) * ierfc_scaled(x.value.high)), x.squared);
   }
-  fraction<T> lifted_excess(const slope<T>& x) const {
-    const auto [numerator, denominator] = ierfc_scaled_fraction(x.value.high);
-    return {times_exp_minus(lifted(T(T(0.5) * numerator)), x.squared), denominator};
+  fraction<T> sigma_below(const T& c, const double_double<T>& s2) const {
+    const horizon<T> seen(c, s2, T(T(16) * smallest<T>()));  // beyond, exp(-x^2) is zero
+    const auto [numerator, denominator] = ierfc_scaled_fraction(seen.x.value.high);
+    return {times_exp_minus(T(lifted(T(0.5)) * (seen.s * numerator)), seen.x.squared), denominator};
   }
 
   // What smith/visible/slope.hpp asks for.

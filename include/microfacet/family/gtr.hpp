@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "microfacet/core/double_double.hpp"
+#include "microfacet/core/log_of_quotient.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/gtr_marginal.hpp"
 #include "microfacet/family/radial.hpp"
@@ -30,15 +31,15 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
   static constexpr std::array<std::string_view, 2> sources{"burley2012disney", "deon2020hitchhiker"};
   static constexpr bool shape_invariant = false;
 
-  gtr(const T& alpha, const T& gamma)
+  MICROFACET_INLINE gtr(const T& alpha, const T& gamma)
       : alpha_(inside(roughness, alpha)), gamma_(inside(parameters[0], gamma)) {
     a2_ = alpha_ * alpha_;
     const auto narrow = alpha_ <= T(1);
     const T difference = (T(1) - alpha_) * (T(1) + alpha_);  // 1 - alpha^2
     const auto one = difference == T(0);
     span_ = abs(difference);
-    omega_ = select(one, T(1), T(T(-2) * log(alpha_) / select(one, T(1), difference)));
-    const T beta = span_ * omega_;
+    const T log_alpha = T(-2) * log(alpha_), beta = abs(log_alpha);
+    omega_ = select(one, T(1), T(log_alpha / select(one, T(1), difference)));
     smaller_ = minimum(a2_, T(1));
     larger_ = maximum(a2_, T(1));
     g_ = select(narrow, T(gamma_ - T(1)), T(T(1) - gamma_));
@@ -51,15 +52,15 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
   T zero_or_nan() const { return T(0) * norm_; }
   T P22(const double_double<T>& r2) const { return D(T(1), r2); }
 
-  // P22 = norm exp(-gamma X)/(1 + r2)^2, X being V for alpha < 1, else L: a difference that large gamma
-  // leaves exact.
-  T D(const T& z, const double_double<T>& h2_argument) const {
-    const double_double<T> h2 = bounded(h2_argument), z2 = two_prod(z, z), length2 = z2 + h2;
+  // P22 = norm exp(-gamma X)/(1 + r2)^2, X being V for alpha < 1, else L: as B^-2 exp((2 - gamma) X) with
+  // B = exp(X) (1 + r2)/min.
+  MICROFACET_INLINE T D(const T& z, const double_double<T>& h2_argument) const {
+    const double_double<T> h2 = bounded(h2_argument), z2 = two_prod(z, z);
     const auto narrow = alpha_ < T(1);
-    const double_double<T> part = quotient(select(narrow, h2, z2), smaller() * length2);
-    const T reciprocal = T(1) / length2.high;
-    const T fall = times_exp_minus(norm_, gamma_ * log1p_double_double(exact_span() * part));
-    return rounded(T(fall * reciprocal)) * reciprocal;
+    const log_of_quotient<T> X =
+        log1p_of_quotient(exact_span() * select(narrow, h2, z2), smaller() * (z2 + h2));
+    const T inverse_B = smaller_ * X.reciprocal;
+    return times_exp_minus(T(norm_ * inverse_B), two_sum(gamma_, T(-2)) * X.log) * inverse_B;
   }
 
   T survival(const double_double<T>& r2) const {

@@ -91,7 +91,7 @@ class k0_functions {
 
 template <class T>
 class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part::direct_radius |
-                                         part::scaled_excess | part::slope_sampling> {
+                                         part::scaled_sigma | part::slope_sampling> {
  public:
   static constexpr std::string_view name = "k0";
   static constexpr std::array<std::string_view, 1> sources{"deon2020hitchhiker"};
@@ -142,8 +142,9 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
     return symmetric_sf(t, [](const slope<T>& x) { return times_exp_minus(T(0.5), twice(x.value)); });
   }
   T slope_excess(const slope<T>& x) const { return times_exp_minus(T(0.25), twice(x.value)); }
-  fraction<T> lifted_excess(const slope<T>& x) const {
-    return {times_exp_minus(lifted(T(0.25)), twice(x.value)), T(1)};
+  fraction<T> sigma_below(const T& c, const double_double<T>& s2) const {
+    const horizon<T> seen(c, s2, T(T(16) * smallest<T>()));  // beyond, exp(-2x) is zero
+    return {times_exp_minus(T(lifted(T(0.25)) * seen.s), twice(seen.x.value)), T(1)};
   }
 
   // With the probability of the area below the horizon, xi0 small, the slope is that which -|x| sees; else it

@@ -42,7 +42,7 @@ concept direct_radius = requires(const F f, typename F::scalar xi) { f.radius(xi
 template <class F>
 concept radius_by_odds = requires(const F f, typename F::scalar x) { f.radius_at_odds(x); };  // at xi = x/(1 + x)
 template <class F>
-concept scaled_excess = requires(const F f, slope<typename F::scalar> x) { f.lifted_excess(x); };  // 2^lift slope_excess, a fraction
+concept scaled_excess = requires(const F f, slope<typename F::scalar> x, typename F::scalar c) { f.slope_excess(x, c); };  // c slope_excess(x), where slope_excess underflows
 template <class F>
 concept scaled_sigma = requires(const F f, typename F::scalar c, double_double<typename F::scalar> s2) { f.sigma_below(c, s2); };  // 2^lift s J(|c|/s), a fraction
 // Visible normals (smith/visible/): the facet or both slopes at once ...

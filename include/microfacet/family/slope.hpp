@@ -16,6 +16,23 @@ struct slope {
   slope(const double_double<T>& t, const double_double<T>& t2) : value(t), squared(t2) {}
 };
 
+// The slope |c|/s in which a direction sees the horizon, by one quotient and one root; s^2 counts as `least` at least.
+template <class T>
+struct horizon {
+  T s;
+  slope<T> x;
+
+  MICROFACET_INLINE horizon(const T& c, const double_double<T>& s2, const T& least)
+      : horizon(c, double_double<T>(maximum(s2.high, least), low_of(s2))) {}
+
+ private:
+  MICROFACET_INLINE horizon(const T& c, const double_double<T>& s2)
+      : horizon(c, s2, T(sqrt(s2.high)), T(T(1) / s2.high)) {}
+  MICROFACET_INLINE horizon(const T& c, const double_double<T>& s2, const T& root, const T& reciprocal)
+      : s(root),
+        x(root_quotient(T(abs(c)), s2, root, T(root * reciprocal)), quotient(two_prod(c, c), s2, reciprocal)) {}
+};
+
 template <class T>
 struct fraction {
   T numerator, denominator;

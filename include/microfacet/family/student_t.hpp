@@ -15,6 +15,7 @@
 #include <string_view>
 
 #include "microfacet/core/double_double.hpp"
+#include "microfacet/core/log_of_quotient.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/family/spherical_cap.hpp"
@@ -37,33 +38,33 @@ class student_t
   static constexpr double least_gamma = parameters[0].density_lower;
 
   // Beyond gaussian_ the tails are Beckmann's to rounding, as far as they are numbers.
-  explicit student_t(const T& gamma)
+  MICROFACET_INLINE explicit student_t(const T& gamma)
       : k_(minimum(T(inside(parameters[0], gamma) - T(1)), T(gaussian))),
         norm_(gamma_half_step(k_) / T(sqrt_pi)),
         inverse_k_(quotient(double_double<T>(T(1)), double_double<T>(k_))) {}
 
   T zero_or_nan() const { return T(0) * k_; }
   T P22(const double_double<T>& r2) const { return power(T(1 / pi), r2, T(k_ + T(1))); }
-  // z^(2 gamma - 4) (z^2 + h2/k)^-gamma, in one exponent.
+  // z^-4 A^-gamma = B^-2 A^(2 - gamma) with A = 1 + h2/(k z^2), B = z^2 A.
   MICROFACET_INLINE T D(const T& z_argument, const double_double<T>& h2) const {
     const T least = T(single ? 1e-13 : 1e-140), z = maximum(z_argument, least);
-    const double_double<T> z2 = two_prod(z, z), gamma = two_sum(k_, T(1)), product = h2 * inverse_k_;
-    // Near the largest number a product is not split without overflow.
-    const double_double<T> steepness(product.high, low_where(product.high < T(largest_ratio), product));
-    const auto grazing = (z_argument < least) | (steepness.high * T(1 / largest_ratio) > z2.high);
+    const double_double<T> k_z2 = k_ * two_prod(z, z);
+    const auto grazing = (z_argument < least) | (h2.high * T(1 / largest_ratio) > k_z2.high);
     // Where z^2 is nothing beside the other term, and the rounding of z^2 underflows.
     const auto power_of_z = [&] {
-      const T positive = select(grazing, maximum(z_argument, smallest<T>()), T(1));
-      return log_double_double(select(grazing, steepness, double_double<T>(T(1)))) * gamma +
-             log_double_double(double_double<T>(positive)) * two_sum(T(2), T(T(-2) * k_));
+      const T one(1), positive = select(grazing, maximum(z_argument, smallest<T>()), one);
+      const double_double<T> steepness = log_double_double(select(grazing, h2, double_double<T>(one))) +
+                                         -log_double_double(double_double<T>(k_));
+      return T(exp(-(steepness * two_sum(k_, one) +
+                     log_double_double(double_double<T>(positive)) * two_sum(T(2), T(T(-2) * k_)))) *
+               T(1 / pi));
     };
     const auto in_one = [&] {
-      const double_double<T> exponent = log1p_double_double(quotient(steepness, z2)) * gamma,
-                             rest = log_double_double(z2);
-      const double_double<T> sum = two_sum(exponent.high, T(T(2) * rest.high));
-      return double_double<T>(sum.high, T(low_of(sum) + (low_of(exponent) + T(2) * low_of(rest))));
+      const log_of_quotient<T> A = log1p_of_quotient(select(grazing, double_double<T>(T(0)), h2), k_z2);
+      const T inverse_B = k_ * A.reciprocal;
+      return T(times_exp_minus(T(inverse_B * T(1 / pi)), two_sum(k_, T(-1)) * A.log) * inverse_B);
     };
-    return exp(-select_lazy(grazing, power_of_z, in_one)) * T(1 / pi);
+    return select_lazy(grazing, power_of_z, in_one);
   }
   T survival(const double_double<T>& r2) const { return power(T(1), r2, k_); }
   // Of a slope whose square may be infinite.
@@ -84,14 +85,9 @@ class student_t
       return times_power(x, k_, [this](const T& y, const T& q) { return student::tail(k_, y, q); });
     });
   }
-  T slope_excess(const slope<T>& x) const {
+  T slope_excess(const slope<T>& x, const T& factor = T(1)) const {
     const T k = nan_unless(k_ > T(parameters[0].lower - 1.0), k_);
-    return times_power(x, k, [&](const T& y, const T& q) { return student::excess(k, y, q); });
-  }
-  fraction<T> lifted_excess(const slope<T>& x) const {
-    const T k = nan_unless(k_ > T(parameters[0].lower - 1.0), k_);
-    const auto factor = [&](const T& y, const T& q) { return student::excess(k, y, q); };
-    return {times_power(x, k, factor, lifted(T(1))), T(1)};
+    return times_power(x, k, [&](const T& y, const T& q) { return student::excess(k, y, q); }, factor);
   }
 
   // What smith/visible/slope.hpp asks for.

@@ -13,29 +13,24 @@
 namespace microfacet {
 
 // s J(|c|/s), the area seen from below: sigma(-|c|, s); at s = 0 it is 0. As a fraction with a lifted
-// numerator, so that each quantity divides once, and by what did not underflow: a family may state J so as
-// lifted_excess, or all of it as sigma_below, without a quotient |c|/s.
+// numerator, so that each quantity divides once, and by what did not underflow. A family may state it as
+// sigma_below, where it has it without the quotient |c|/s or lifts it before it underflows.
 template <class T, class Family>
 fraction<T> sigma_below(const Family& family, const T& c, const double_double<T>& s2) {
   if constexpr (scaled_sigma<Family>) {
     return family.sigma_below(c, s2);
   } else {
     // Beyond the largest slope, and at s = 0, nothing is left.
-    const T least_ratio = T(1) / square(largest_slope<T>());
-    const auto inside = s2.high > multiply_add(T(c * c), least_ratio, smallest<T>());
-    const double_double<T> divisor(select(inside, s2.high, T(1)), low_of(s2));
-    const T reciprocal = T(1) / divisor.high, s = sqrt(divisor.high);
-    const slope<T> x(root_quotient(T(abs(c)), divisor, s, T(s * reciprocal)),
-                     quotient(two_prod(c, c), divisor, reciprocal));
-    fraction<T> below{T(0), T(1)};
-    if constexpr (scaled_excess<Family>) {
-      below = family.lifted_excess(x);
-    } else {
-      below.numerator = lifted(T(family.slope_excess(x)));
-    }
-    below.numerator = below.numerator * s;
-    below.numerator = select(inside, below.numerator, T((below.numerator + s2.high) * T(0)));
-    return below;
+    const T least = multiply_add(T(c * c), T(T(1) / square(largest_slope<T>())), smallest<T>());
+    const horizon<T> seen(c, s2, least);
+    const T below = [&] {
+      if constexpr (scaled_excess<Family>) {
+        return family.slope_excess(seen.x, lifted(seen.s));
+      } else {
+        return T(lifted(T(family.slope_excess(seen.x))) * seen.s);
+      }
+    }();
+    return {select(s2.high > least, below, T((below + s2.high) * T(0))), T(1)};
   }
 }
 

@@ -45,7 +45,7 @@ struct cosine {
 
   explicit cosine(const T& u)
       : z(select_lazy(
-            !(abs(u) <= T(1)), [&] { return bounded(u); }, [&] { return u; })),
+            abs(u) > T(1), [&] { return bounded(u); }, [&] { return u; })),
         sine2(one_minus_square(z)) {}
 
  private:
