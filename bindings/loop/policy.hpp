@@ -65,7 +65,7 @@ struct policy {
   static constexpr bool in_closed_form = requires { &family::sf_over_density; };
 
   // All that the operation needs of the density is a short closed form.
-  static constexpr bool in_short_form = (Operation::functions & family::tabulate) == 0 && !samples_visible && !iterates;
+  static constexpr bool in_short_form = (Operation::functions & family::tabulate) == 0 && !iterates;
 
   template <class Real>
   static constexpr bool computes_in = std::is_same_v<Real, double> || family::float32_arithmetic;

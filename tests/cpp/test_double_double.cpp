@@ -2,7 +2,7 @@
 // digits in float and those of one number in double, with and without an instruction that rounds a * b + c once.
 
 #include "microfacet/core/double_double.hpp"
-#include "microfacet/core/log_of_quotient.hpp"
+#include "microfacet/core/logarithms.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -99,12 +99,12 @@ void exponents() {
     CHECK_NEAR(exp(x) / std::exp(value(x)), 1, 1.5 * rounding);
     const double_double<T> size = abs(x);
     for (const double factor : {1.0, 1e30})
-      CHECK_NEAR(times_exp_minus(static_cast<T>(factor), size) /
-                     (static_cast<T>(factor) * std::exp(-value(size))),
-                 1, 2 * rounding);
+      CHECK_NEAR(
+          times_exp_minus(static_cast<T>(factor), size) / (static_cast<T>(factor) * std::exp(-value(size))),
+          1, 2 * rounding);
     const double_double<T> positive = mf::two_prod(a, a);
     const long double logarithm = std::log(value(positive));
-    const long double unit = mf::one_number<T> ? 4 * std::abs(logarithm) + 1e-3L
+    const long double unit = mf::one_number<T>            ? 4 * std::abs(logarithm) + 1e-3L
                              : std::abs(logarithm) < 0.5L ? std::abs(logarithm) * 2 + 1e-3L
                                                           : 1.0L;
     CHECK(std::abs(value(log_double_double(positive)) - logarithm) < 0.5 * rounding * unit);

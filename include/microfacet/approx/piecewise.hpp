@@ -74,7 +74,8 @@ struct piecewise {
   template <class R>
   MICROFACET_INLINE R of_root(const R& x) const {
     const double_double<R> x2 = two_prod(x, x);
-    const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_ratio<2>(inside, absent(), R(centre[0]));
+    const R inside = minimum(maximum(x, smallest<R>()), R(1)),
+            v = log_ratio<2>(inside, absent(), R(centre[0]));
     const R first_piece = polynomial_of<true>(v, elementary::integers<R>(0), R(1));
     const R f = select(x2.high >= R(lower), (*this)(x2), first_piece);
     return select(x >= smallest<R>(), f, R(R(at_zero) + (x - x)));

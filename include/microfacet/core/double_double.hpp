@@ -13,8 +13,7 @@
 namespace microfacet {
 
 template <class T>
-inline constexpr bool one_number =
-    elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 8;
+inline constexpr bool one_number = elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 8;
 
 template <class T>
 struct double_double {
@@ -105,8 +104,8 @@ template <class T>
 MICROFACET_INLINE double_double<T> operator*(const double_double<T>& a, const double_double<T>& b) {
   const T p = rounded(T(a.high * b.high));
   if constexpr (one_number<T>) return p;
-  return {p, multiply_add(a.high, low_of(b),
-                          multiply_add(low_of(a), b.high, two_prod_error(a.high, b.high, p)))};
+  return {
+      p, multiply_add(a.high, low_of(b), multiply_add(low_of(a), b.high, two_prod_error(a.high, b.high, p)))};
 }
 template <class T>
 MICROFACET_INLINE double_double<T> operator*(const T& a, const double_double<T>& b) {
@@ -153,36 +152,6 @@ MICROFACET_INLINE double_double<T> root_quotient(const T& a, const double_double
   if constexpr (one_number<T>) return a * reciprocal;
   const T rest = T(0.5) * ((residual(b.high, root, root) + low_of(b)) * reciprocal);
   return quotient(double_double<T>(a), double_double<T>(root, rest), reciprocal);
-}
-
-// log(a) of a positive a; a scalar of another kind than elementary.hpp knows loses what its log rounds.
-template <class T>
-MICROFACET_INLINE double_double<T> log_double_double(const double_double<T>& a) {
-  if constexpr (elementary::has_lanes<T>) {
-    const elementary::logarithm<T> l = elementary::log(a.high, a.low);
-    return {l.high, l.low};
-  } else {
-    const T correction = a.low / a.high;
-    return two_sum(T(log(a.high)), T(select(abs(correction) < T(1), correction, T(0))));
-  }
-}
-
-// log(a + b) to rounding, also where the sum is next to 1.
-template <class T>
-MICROFACET_INLINE T log_of_sum(const T& a, const T& b) {
-  const T s = rounded(T(a + b));
-  if constexpr (elementary::has_lanes<T>) {
-    return elementary::log(s, two_sum_error(a, b, s)).high;
-  } else {
-    return log_double_double(two_sum(a, b)).high;
-  }
-}
-
-template <class T>
-MICROFACET_INLINE double_double<T> log1p_double_double(const double_double<T>& a) {
-  if constexpr (one_number<T>) return elementary::log1p(a.high);
-  const double_double<T> sum = two_sum(T(1), a.high);
-  return log_double_double(double_double<T>(sum.high, T(low_of(sum) + low_of(a))));
 }
 
 template <class T, class Mask>

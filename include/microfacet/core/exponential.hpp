@@ -63,8 +63,8 @@ MICROFACET_INLINE R times_power(const R& value, const R& shifted) {
     // In two steps, since a power of two alone may leave the format; the shift drops the bits of `round`.
     const integers<R> n = bits(shifted), half = n >> 1, one = bits(R(1));
     const R first = from_bits(wrapping_sum(integers<R>(half << f::mantissa), one), value);
-    const R second = from_bits(
-        wrapping_sum(integers<R>(wrapping_difference(n, half) << f::mantissa), one), value);
+    const R second =
+        from_bits(wrapping_sum(integers<R>(wrapping_difference(n, half) << f::mantissa), one), value);
     return rounded(R(value * first)) * second;
   }
 }
@@ -73,7 +73,8 @@ MICROFACET_INLINE R times_power(const R& value, const R& shifted) {
 template <class R, class Low = absent>
 MICROFACET_INLINE R times_exp_minus(const R& factor, const R& x, const Low& low = {}) {
   using f = format<R>;
-  const R shifted = multiply_add(x, R(-std::numbers::log2e), R(f::round)), n = rounded(R(shifted - R(f::round)));
+  const R shifted = multiply_add(x, R(-std::numbers::log2e), R(f::round)),
+          n = rounded(R(shifted - R(f::round)));
   const R rest = multiply_add(n, R(f::ln2_low), R(multiply_add(n, R(f::ln2_high), x))) + low;
   // 1 - exp(-rest)
   const R lost = multiply_add(R(rest * rest), polynomial(f::minus_exp_of_minus, rest), rest);

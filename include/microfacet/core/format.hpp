@@ -130,9 +130,18 @@ inline bool is_positive_number(double x) { return is_number(x) && x > 0 && x <= 
 
 // The power of two at or below a positive x, by which a multiplication is exact; 1 for a scalar without bits.
 template <class R>
-R power_of_two(const R& x) {
+MICROFACET_INLINE R power_of_two(const R& x) {
   if constexpr (has_lanes<R>) {
     return from_bits(integers<R>(bits(x) & integers<R>(format<R>::exponent)), x);
+  } else {
+    return R(1);
+  }
+}
+// That at or below the root of x.
+template <class R>
+MICROFACET_INLINE R power_of_two_of_root(const R& x) {
+  if constexpr (has_lanes<R>) {
+    return power_of_two(from_bits(wrapping_sum(integers<R>(bits(x) >> 1), integers<R>(bits(R(1)) >> 1)), x));
   } else {
     return R(1);
   }

@@ -45,26 +45,25 @@ struct pack {
       typename std::conditional_t<std::is_integral_v<T>, std::make_unsigned<T>, std::type_identity<T>>::type;
   typedef modular_lane modular __attribute__((vector_size(Bytes)));
 // An expression of the registers k, for each of them: no function, which compilers would have to inline.
-#define MICROFACET_EACH(RESULT, EXPRESSION)                                           \
-  {                                                                                   \
-    RESULT r;                                                                         \
-    for (int k = 0; k < K; ++k) {                                                     \
-      r.v[k] = (typename RESULT::vector)(EXPRESSION);                                 \
-      if constexpr (std::is_floating_point_v<typename RESULT::lane>)                  \
-        MICROFACET_HOLD_LANES(r.v[k]);                                                \
-    }                                                                                 \
-    return r;                                                                         \
+#define MICROFACET_EACH(RESULT, EXPRESSION)                                                         \
+  {                                                                                                 \
+    RESULT r;                                                                                       \
+    for (int k = 0; k < K; ++k) {                                                                   \
+      r.v[k] = (typename RESULT::vector)(EXPRESSION);                                               \
+      if constexpr (std::is_floating_point_v<typename RESULT::lane>) MICROFACET_HOLD_LANES(r.v[k]); \
+    }                                                                                               \
+    return r;                                                                                       \
   }
-#define MICROFACET_ARITHMETIC(OP)                                            \
+#define MICROFACET_ARITHMETIC(OP)                                         \
   MICROFACET_INLINE friend pack operator OP(const pack& a, const pack& b) \
-    MICROFACET_EACH(pack, (modular)a.v[k] OP (modular)b.v[k])
+      MICROFACET_EACH(pack, (modular)a.v[k] OP(modular) b.v[k])
   MICROFACET_ARITHMETIC(+)
   MICROFACET_ARITHMETIC(-)
   MICROFACET_ARITHMETIC(*)
 #undef MICROFACET_ARITHMETIC
 #define MICROFACET_BINARY(RESULT, OP)                                       \
   MICROFACET_INLINE friend RESULT operator OP(const pack& a, const pack& b) \
-    MICROFACET_EACH(RESULT, a.v[k] OP b.v[k])
+      MICROFACET_EACH(RESULT, a.v[k] OP b.v[k])
   MICROFACET_BINARY(pack, /)
   MICROFACET_BINARY(pack, &)
   MICROFACET_BINARY(pack, |)

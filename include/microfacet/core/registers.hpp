@@ -59,8 +59,8 @@ MICROFACET_INLINE bool any_lane(const Vector& mask) {
 }
 
 #if defined(__x86_64__)
-#define MICROFACET_REGISTER(TYPE, PREFIX, SUFFIX)                                         \
-  MICROFACET_INLINE TYPE sqrt(TYPE a) { return PREFIX##_sqrt_##SUFFIX(a); }               \
+#define MICROFACET_REGISTER(TYPE, PREFIX, SUFFIX)                                        \
+  MICROFACET_INLINE TYPE sqrt(TYPE a) { return PREFIX##_sqrt_##SUFFIX(a); }              \
   MICROFACET_INLINE TYPE maximum(TYPE a, TYPE b) { return PREFIX##_max_##SUFFIX(b, a); } \
   MICROFACET_INLINE TYPE minimum(TYPE a, TYPE b) { return PREFIX##_min_##SUFFIX(b, a); }
 #define MICROFACET_FUSED_REGISTER(TYPE, PREFIX, SUFFIX) \
@@ -87,8 +87,10 @@ MICROFACET_FUSED_REGISTER(__m512d, _mm512, pd)
 #undef MICROFACET_FUSED_REGISTER
 #endif
 
+// a 2^n for a whole n, where one instruction does it.
+template <class Vector>
+void times_power(const Vector& a, const Vector& n) = delete;
 #if defined(__AVX512F__)
-// a 2^n for a whole n.
 MICROFACET_INLINE __m512 times_power(__m512 a, __m512 n) { return _mm512_scalef_ps(a, n); }
 MICROFACET_INLINE __m512d times_power(__m512d a, __m512d n) { return _mm512_scalef_pd(a, n); }
 #endif

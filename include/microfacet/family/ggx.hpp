@@ -28,7 +28,9 @@ class ggx : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | par
                                                            "heitz2014masking"};
 
   T P22(const double_double<T>& r2) const { return T(1 / pi) / square(T(T(1) + r2.high)); }
-  T D(const T& z, const double_double<T>& h2) const { return T(1 / pi) / square(multiply_add(z, z, h2.high)); }
+  T D(const T& z, const double_double<T>& h2) const {
+    return T(1 / pi) / square(multiply_add(z, z, h2.high));
+  }
   T survival(const double_double<T>& r2) const { return T(1) / (T(1) + r2.high); }
   T radius2(const T& xi) const { return xi / (T(1) - xi); }
   T P2(const slope<T>& t, const T& factor = T(1)) const {

@@ -16,7 +16,7 @@
 #include <string_view>
 
 #include "microfacet/core/double_double.hpp"
-#include "microfacet/core/log_of_quotient.hpp"
+#include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/gtr_marginal.hpp"
 #include "microfacet/family/radial.hpp"
@@ -46,7 +46,11 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
     up_ = expm1_over(T(g_ * beta));
     down_ = expm1_over(T(-g_ * beta));
     beta_ = beta;
-    norm_ = T(1) / (T(pi) * smaller_ * omega_ * select(narrow, down_, up_));
+    // 1/(pi min Omega phi(x)), x = -(gamma - 1) beta, by one division
+    const T x = (T(1) - gamma_) * beta;
+    const auto zero = x == T(0);
+    norm_ = select(one, T(1), span_) * select(zero, T(1), x) /
+            (T(pi) * smaller_ * select(one, T(1), beta) * select(zero, T(T(1) + T(0.5) * x), expm1(x)));
   }
 
   T zero_or_nan() const { return T(0) * norm_; }
@@ -69,8 +73,8 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
     const double_double<T> v = log1p_double_double(exact_span() * ratio(r2));
     // phi(-x) = exp(-x) phi(x): the two forms are equal, and each overflows where the other does not.
     const T gl = g_ * span_ * l_over_span;
-    const T ratio = select(g_ > T(0), T(exp(-(g_ * v)) * expm1_over(T(-gl)) / down_),
-                           T(expm1_over(gl) / up_));
+    const T ratio =
+        select(g_ > T(0), T(exp(-(g_ * v)) * expm1_over(T(-gl)) / down_), T(expm1_over(gl) / up_));
     return minimum(T(l_over_span / omega_ * ratio), T(1));
   }
 

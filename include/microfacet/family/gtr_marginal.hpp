@@ -15,6 +15,7 @@
 
 #include "microfacet/approx/midpoint.hpp"
 #include "microfacet/core/double_double.hpp"
+#include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/gtr_wide_circles.hpp"
 #include "microfacet/family/radial.hpp"

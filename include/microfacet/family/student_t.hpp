@@ -15,7 +15,7 @@
 #include <string_view>
 
 #include "microfacet/core/double_double.hpp"
-#include "microfacet/core/log_of_quotient.hpp"
+#include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/family/spherical_cap.hpp"
@@ -68,9 +68,7 @@ class student_t
   }
   T survival(const double_double<T>& r2) const { return power(T(1), r2, k_); }
   // Of a slope whose square may be infinite.
-  T survival_of_slope(const T& r) const {
-    return times_exp_minus(T(1), k_ * growth(slope<T>(r)));
-  }
+  T survival_of_slope(const T& r) const { return times_exp_minus(T(1), k_ * growth(slope<T>(r))); }
   T radius2(const T& xi) const { return square(radius(xi)); }
   // For gamma near 1 slopes reach beyond the square root of the largest number.
   T radius(const T& xi) const {

@@ -94,7 +94,7 @@ class isotropic_shape {
       : alpha_(valid_alpha(alpha)),
         alpha2_(square(alpha_)),
         inverse_(reciprocal(alpha_)),
-        unit_(elementary::power_of_two(T(sqrt(alpha_.high)))),
+        unit_(elementary::power_of_two_of_root(alpha_.high)),
         unit2_(square(unit_) * reciprocal(alpha2_)) {}
 
   T unit() const { return unit_; }
@@ -132,7 +132,8 @@ class anisotropic_shape {
         s_(sine),
         x2_(square(alpha_x_)),
         y2_(square(alpha_y_)),
-        unit_(elementary::power_of_two(T(sqrt(sqrt(alpha_x_.high * alpha_y_.high))))),
+        unit_(elementary::power_of_two_of_root(
+            elementary::power_of_two_of_root(T(alpha_x_.high * alpha_y_.high)))),
         unit_x2_(square(unit_) * reciprocal(x2_)),
         unit_y2_(square(unit_) * reciprocal(y2_)),
         along_x_(sqrt(x2_ * two_prod(c_, c_) + y2_ * two_prod(s_, s_))),

@@ -108,7 +108,8 @@ struct ladder {
   T decay(const double_double<T>& exact) const {
     const T e = exp(-exact.high), slope = (steps + T(1)) * (below / at / y);
     if constexpr (one_number<T>) return e;
-    const T low = select(abs(low_of(exact)) < exact.high, low_of(exact), T(0));  // nothing corrects 0 and infinity
+    const T low =
+        select(abs(low_of(exact)) < exact.high, low_of(exact), T(0));  // nothing corrects 0 and infinity
     return e - e * (low * slope);
   }
 };

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "microfacet/core/double_double.hpp"
+#include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/polynomial.hpp"
 #include "microfacet/special/coefficients/erfc_inverse.hpp"

@@ -13,7 +13,7 @@
 // (`tails`): slope_sf/P2, J/P2, int_t^inf y P2(y) dy/P2, (log P2)', the fall log P2(t) - log P2(t + v).
 #pragma once
 
-#include "microfacet/core/double_double.hpp"
+#include "microfacet/core/logarithms.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/smith/visible/point.hpp"
 

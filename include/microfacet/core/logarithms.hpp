@@ -1,4 +1,4 @@
-// log(1 + a/b) of positive numbers and 1/(a + b), by one division.
+// Logarithms with the digits that an exponent needs.
 #pragma once
 
 #include "microfacet/core/double_double.hpp"
@@ -8,13 +8,43 @@
 
 namespace microfacet {
 
+// log(a) of a positive a; a scalar of another kind than elementary.hpp knows loses what its log rounds.
+template <class T>
+MICROFACET_INLINE double_double<T> log_double_double(const double_double<T>& a) {
+  if constexpr (elementary::has_lanes<T>) {
+    const elementary::logarithm<T> l = elementary::log(a.high, a.low);
+    return {l.high, l.low};
+  } else {
+    const T correction = a.low / a.high;
+    return two_sum(T(log(a.high)), T(select(abs(correction) < T(1), correction, T(0))));
+  }
+}
+
+// log(a + b) to rounding, also where the sum is next to 1.
+template <class T>
+MICROFACET_INLINE T log_of_sum(const T& a, const T& b) {
+  const T s = rounded(T(a + b));
+  if constexpr (elementary::has_lanes<T>) {
+    return elementary::log(s, two_sum_error(a, b, s)).high;
+  } else {
+    return log_double_double(two_sum(a, b)).high;
+  }
+}
+
+template <class T>
+MICROFACET_INLINE double_double<T> log1p_double_double(const double_double<T>& a) {
+  if constexpr (one_number<T>) return elementary::log1p(a.high);
+  const double_double<T> sum = two_sum(T(1), a.high);
+  return log_double_double(double_double<T>(sum.high, T(low_of(sum) + low_of(a))));
+}
+
 template <class T>
 struct log_of_quotient {
   double_double<T> log;  // log(1 + a/b), with the digits that an exponent needs
   T reciprocal;          // 1/(a + b)
 };
 
-// For a >= 0 and a normal b > 0, a/b finite. (a + b)/b = 2^n (1 + s)/(1 - s), and |s| <= 1/5 as n follows from the
+// log(1 + a/b) and 1/(a + b) by one division, for a >= 0 and a normal b > 0, a/b finite. (a + b)/b = 2^n (1 + s)/(1 - s), and |s| <= 1/5 as n follows from the
 // bits of the two. Both are divided by the power of two in b first, so that no product leaves the format.
 template <class T>
 MICROFACET_INLINE log_of_quotient<T> log1p_of_quotient(const double_double<T>& a_argument,
@@ -23,7 +53,8 @@ MICROFACET_INLINE log_of_quotient<T> log1p_of_quotient(const double_double<T>& a
     using namespace elementary;
     using f = format<T>;
     using integers = elementary::integers<T>;
-    const integers one = bits(T(1)), half(integer_of<typename scalar_traits<T>::real>(1) << (f::mantissa - 1));
+    const integers one = bits(T(1)),
+                   half(integer_of<typename scalar_traits<T>::real>(1) << (f::mantissa - 1));
     const T unit = from_bits(
         wrapping_difference(integers(one + one), integers(bits(power_of_two(b_argument.high)))), T());
     const double_double<T> a = unit * a_argument, b = unit * b_argument;
