@@ -117,10 +117,10 @@ template <class T>
 MICROFACET_INLINE double_double<T> square(const double_double<T>& a) {
   return a * a;
 }
-// Twice a, which is exact.
+// Times a power of two, which is exact.
 template <class T>
-MICROFACET_INLINE double_double<T> twice(const double_double<T>& a) {
-  return {a.high + a.high, low_of(a) + low_of(a)};
+MICROFACET_INLINE double_double<T> scaled(const T& power_of_two, const double_double<T>& a) {
+  return {power_of_two * a.high, power_of_two * low_of(a)};
 }
 
 // a/b, given 1/b.high.

@@ -57,7 +57,7 @@ MICROFACET_INLINE log_of_quotient<T> log1p_of_quotient(const double_double<T>& a
                    half(integer_of<typename scalar_traits<T>::real>(1) << (f::mantissa - 1));
     const T unit = from_bits(
         wrapping_difference(integers(one + one), integers(bits(power_of_two(b_argument.high)))), T());
-    const double_double<T> a = unit * a_argument, b = unit * b_argument;
+    const double_double<T> a = scaled(unit, a_argument), b = scaled(unit, b_argument);
     const T sum = rounded(T(a.high + b.high));
     const integers distance = wrapping_difference(integers(bits(sum)), integers(bits(b.high)));
     const integers n = wrapping_sum(distance, half) >> f::mantissa;
@@ -68,7 +68,7 @@ MICROFACET_INLINE log_of_quotient<T> log1p_of_quotient(const double_double<T>& a
     double_double<T> difference(multiply_add(power, a.high, rounded(T(less * b.high))));
     double_double<T> total(rounded(T(difference.high + T(2) * b.high)));
     if constexpr (!one_number<T>) {
-      difference = power * a + less * b;
+      difference = scaled(power, a) + less * b;
       const double_double<T> high = fast_two_sum(T(T(2) * b.high), difference.high);
       total = {high.high, high.low + (difference.low + T(2) * b.low)};
     }

@@ -69,15 +69,15 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
         [&] { return T(select(xi_argument == T(0), T(0), y)); });
   }
   T P2(const slope<T>& t, const T& factor = T(1)) const {
-    return times_exp_minus(factor, twice(abs(t.value)));
+    return times_exp_minus(factor, scaled(T(2), abs(t.value)));
   }
   T slope_sf(const slope<T>& t) const {
-    return symmetric_sf(t, [](const slope<T>& x) { return times_exp_minus(T(0.5), twice(x.value)); });
+    return symmetric_sf(t, [](const slope<T>& x) { return times_exp_minus(T(0.5), scaled(T(2), x.value)); });
   }
-  T slope_excess(const slope<T>& x) const { return times_exp_minus(T(0.25), twice(x.value)); }
+  T slope_excess(const slope<T>& x) const { return times_exp_minus(T(0.25), scaled(T(2), x.value)); }
   fraction<T> sigma_below(const T& c, const double_double<T>& s2) const {
     const horizon<T> seen(c, s2, T(T(16) * smallest<T>()));  // beyond, exp(-2x) is zero
-    return {times_exp_minus(T(lifted(T(0.25)) * seen.s), twice(seen.x.value)), T(1)};
+    return {times_exp_minus(T(lifted(T(0.25)) * seen.s), scaled(T(2), seen.x.value)), T(1)};
   }
 
   // With the probability of the area below the horizon, xi0 small, the slope is that which -|x| sees; else it

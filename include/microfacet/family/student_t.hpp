@@ -169,7 +169,7 @@ class student_t
     return select_lazy(
         steep,
         [&] {
-          return twice(log_double_double(double_double<T>(select(steep, size, T(1))))) +
+          return scaled(T(2), log_double_double(double_double<T>(select(steep, size, T(1))))) +
                  log_double_double(inverse_k_);
         },
         [&] { return log1p_double_double(t.squared * inverse_k_); });
