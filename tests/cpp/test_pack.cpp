@@ -9,6 +9,7 @@
 
 #include "check.hpp"
 #include "microfacet/core/elementary.hpp"
+#include "microfacet/core/lookup.hpp"
 #include "packs.hpp"
 
 namespace {
@@ -61,6 +62,44 @@ TEST(arithmetic_and_comparisons) {
       }
     }
   });
+}
+
+TEST(larger_and_smaller) {
+  each_pack([]<class Pack> {
+    using T = typename Pack::lane;
+    for (int first = 0; first < 9; ++first) {
+      const Pack a = deal<Pack>(1, 0), b = deal<Pack>(2, first), larger = maximum(a, b),
+                 smaller = minimum(a, b);
+      for (int i = 0; i < Pack::size; ++i) {
+        const T x = a[i], y = b[i];
+        CHECK(same(larger[i], mf::maximum(x, y)) && same(smaller[i], mf::minimum(x, y)));
+      }
+    }
+  });
+}
+
+// Each size takes instructions of its own; an index counts mod the size.
+template <std::size_t N, class Pack>
+void look_up() {
+  using T = typename Pack::lane;
+  using integer = mf::integer_of<T>;
+  std::array<T, 2 * N> table{};
+  std::array<integer, 2 * N> whole{};
+  for (std::size_t i = 0; i < 2 * N; ++i)
+    table[i] = T(1.5) * static_cast<T>(i), whole[i] = static_cast<integer>(3 * i);
+  for (int first = 0; first < static_cast<int>(2 * N); ++first) {
+    typename Pack::integers index(0);
+    for (int i = 0; i < Pack::size; ++i) index.set(i, static_cast<integer>(first + 5 * i));
+    const Pack found = mf::lookup<N>(table, index);
+    const auto found_whole = mf::lookup<N>(whole, index);
+    for (int i = 0; i < Pack::size; ++i) {
+      const std::size_t at = static_cast<std::size_t>(first + 5 * i) % N;
+      CHECK(found[i] == table[at] && found_whole[i] == whole[at]);
+    }
+  }
+}
+TEST(lookups) {
+  each_pack([]<class Pack> { look_up<16, Pack>(), look_up<32, Pack>(), look_up<128, Pack>(); });
 }
 
 TEST(masks) {

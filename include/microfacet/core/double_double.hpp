@@ -1,10 +1,10 @@
-// Numbers with the digits that an exponent needs: exp(-r) carries the rounding of r times r. In float32 they are
-// the unevaluated sum of two (Dekker, Numerische Mathematik 18, 1971; Ogita, Rump and Oishi, SIAM J. Sci. Comput.
-// 26, 2005). In float64 they are one, whose roundings leave exp its digits up to the largest exponent, 708; where
-// something cancels, two_prod_error and two_sum_error say what is lost.
+// Numbers with the digits that an exponent needs: exp(-r) carries the rounding of r times r. In float32 they
+// are the unevaluated sum of two (Dekker, Numerische Mathematik 18, 1971; Ogita, Rump and Oishi, SIAM J. Sci.
+// Comput. 26, 2005). In float64 they are one, whose roundings leave exp its digits up to the largest
+// exponent, 708; where something cancels, two_prod_error and two_sum_error say what is lost.
 //
-// A T becomes a double_double by itself; one whose products are not known exactly keeps low = 0. `high` alone is
-// the number to a few roundings. Beside an infinite high, low is nan: exp and log_double_double know that.
+// A T becomes a double_double by itself; one whose products are not known exactly keeps low = 0. `high` alone
+// is the number to a few roundings. Beside an infinite high, low is nan: exp and log_double_double know that.
 #pragma once
 
 #include "microfacet/core/elementary.hpp"
@@ -176,7 +176,8 @@ MICROFACET_INLINE T exp(const double_double<T>& x) {
   }
 }
 
-// factor exp(-x) for x >= 0: a large factor keeps the exponential from being flushed to zero before the result is.
+// factor exp(-x) for x >= 0: a large factor keeps the exponential from being flushed to zero before the
+// result is.
 template <class T>
 MICROFACET_INLINE T times_exp_minus(const T& factor, const double_double<T>& x) {
   if constexpr (elementary::has_lanes<T>) {

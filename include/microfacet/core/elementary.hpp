@@ -47,8 +47,8 @@ MICROFACET_INLINE R two_prod_error(const R& a, const R& b, const R& p) {
 }
 
 // Reduces x + low = 2^n (1 + e) for a positive x and |low| much below x, sqrt(1/2) <= 1 + e < sqrt(2), and
-// gives log(1 + e) = e - less: less = e^2/2 - s (e^2/2 + s^2 R(s^2)), s = e/(2 + e), so that the rounding of s
-// enters but once.
+// gives log(1 + e) = e - less: less = e^2/2 - s (e^2/2 + s^2 R(s^2)), s = e/(2 + e), so that the rounding of
+// s enters but once.
 template <class R>
 struct reduced_logarithm {
   R n, e, less;

@@ -1,4 +1,5 @@
-// Exponentials of numbers with float or double lanes (namespace elementary; core/elementary.hpp has the rest).
+// Exponentials of numbers with float or double lanes (namespace elementary; core/elementary.hpp has the
+// rest).
 //
 // Reductions after W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980.
 #pragma once
@@ -37,7 +38,7 @@ MICROFACET_INLINE reduced<R> reduce(const R& x, const Low& low = {}) {
   return {expm1_part,
           from_bits(wrapping_sum(integers<R>(bits(shifted) << f::mantissa), integers<R>(f::half)), x)};
 }
-// exp(x + low) for any x, to 1 ulp; what lies below the normal numbers is zero.
+// Gives exp(x + low) for any x, to 1 ulp; what lies below the normal numbers is zero.
 template <class R, class Low = absent>
 MICROFACET_INLINE R exp(const R& x, const Low& low = {}) {
   const reduced<R> e = reduce(x, low);
@@ -52,7 +53,7 @@ MICROFACET_INLINE R expm1(const R& x) {
   return select(x < R(format<R>::least), R(-1), select(x > R(format<R>::most), infinite<R>(), value));
 }
 
-// value 2^n for whole numbers n = shifted - round; zero below the normal numbers.
+// Multiplies by 2^n for a whole number n = shifted - round; what lies below the normal numbers is zero.
 template <class R>
 MICROFACET_INLINE R times_power(const R& value, const R& shifted) {
   using f = format<R>;
@@ -68,8 +69,8 @@ MICROFACET_INLINE R times_power(const R& value, const R& shifted) {
     return rounded(R(value * first)) * second;
   }
 }
-// factor exp(-(x + low)) for x >= 0 and factor < 2^119 (2^1000): scaled last, it underflows only where the result
-// does. Error 1.5 ulp besides those of x.
+// Gives factor exp(-(x + low)) for x >= 0 and factor < 2^119 (2^1000): scaled last, it underflows only where
+// the result does. Error 1.5 ulp besides those of x.
 template <class R, class Low = absent>
 MICROFACET_INLINE R times_exp_minus(const R& factor, const R& x, const Low& low = {}) {
   using f = format<R>;

@@ -1,4 +1,4 @@
-// Numbers of an array as a scalar, which is a number or a pack of them.
+// Loads and stores numbers of an array as a scalar, which is a number or a pack of them.
 #pragma once
 
 #include <cstring>

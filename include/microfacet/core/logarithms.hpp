@@ -44,8 +44,9 @@ struct log_of_quotient {
   T reciprocal;          // 1/(a + b)
 };
 
-// log(1 + a/b) and 1/(a + b) by one division, for a >= 0 and a normal b > 0, a/b finite. (a + b)/b = 2^n (1 + s)/(1 - s), and |s| <= 1/5 as n follows from the
-// bits of the two. Both are divided by the power of two in b first, so that no product leaves the format.
+// log(1 + a/b) and 1/(a + b) by one division, for a >= 0 and a normal b > 0, a/b finite. (a + b)/b = 2^n (1 +
+// s)/(1 - s), and |s| <= 1/5 as n follows from the bits of the two. Both are divided by the power of two in b
+// first, so that no product leaves the format.
 template <class T>
 MICROFACET_INLINE log_of_quotient<T> log1p_of_quotient(const double_double<T>& a_argument,
                                                        const double_double<T>& b_argument) {

@@ -1,4 +1,4 @@
-// Small tables looked up lane by lane: in registers where the hardware permutes them, else number by number.
+// Small tables, looked up lane by lane: in registers where the hardware permutes them, else number by number.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@
 
 namespace microfacet {
 
-// The element index mod N of the first N in the table; N is a power of two.
+// Gives the element index mod N of the first N in the table; N is a power of two.
 template <std::size_t N, class Element, std::size_t Size, std::integral Integer>
 MICROFACET_INLINE Element lookup(const std::array<Element, Size>& table, Integer index) {
   return table[static_cast<std::size_t>(index) % N];
 }
-// a >> n without regard to a sign, n chosen lane by lane.
+// Shifts in zeros, each lane by its own n.
 template <std::integral Integer>
 MICROFACET_INLINE Integer shift_right(Integer a, Integer n) {
   return static_cast<Integer>(static_cast<std::make_unsigned_t<Integer>>(a) >> n);
@@ -47,11 +47,12 @@ MICROFACET_INLINE Vector lookup(const Element* table, const Indices& index) {
   }
 #endif
 #if defined(__AVX2__)
-  if constexpr (sizeof(Vector) == 32 && N * sizeof(Element) <= 128) {
-    // The register that holds an element by permutation, and which one by its number's higher bits.
+  constexpr std::size_t bytes = N * sizeof(Element);
+  if constexpr (sizeof(Vector) == 32 && (bytes == 64 || bytes == 128)) {
+    // Permutes each register of the table and blends them by the higher bits of the index.
     constexpr bool wide = sizeof(Element) == 8;
     const auto number = std::bit_cast<__m256i>(index);
-    // Halves of a double_double are permuted as two numbers.
+    // The halves of a double are permuted as two numbers.
     const auto at = wide ? _mm256_add_epi32(_mm256_shuffle_epi32(_mm256_slli_epi64(number, 1), 0xa0),
                                             _mm256_set1_epi64x(std::int64_t{1} << 32))
                          : number;
@@ -68,11 +69,14 @@ MICROFACET_INLINE Vector lookup(const Element* table, const Indices& index) {
     };
     constexpr int first = wide ? 2 : 3;
     const auto four = [&](std::size_t i) { return by_bit(first, part(i), part(i + 1)); };
-    if constexpr (N * sizeof(Element) == 64) {
+    if constexpr (bytes == 64) {
       return std::bit_cast<Vector>(four(0));
     } else {
       return std::bit_cast<Vector>(by_bit(first + 1, four(0), four(2)));
     }
+  } else if constexpr (sizeof(Vector) == 32 && sizeof(Element) == 4) {
+    const auto at = _mm256_and_si256(std::bit_cast<__m256i>(index), _mm256_set1_epi32(N - 1));
+    return std::bit_cast<Vector>(_mm256_i32gather_ps(reinterpret_cast<const float*>(table), at, 4));
   } else if constexpr (sizeof(Vector) == 32) {
     const auto at = _mm256_and_si256(std::bit_cast<__m256i>(index), _mm256_set1_epi64x(N - 1));
     return std::bit_cast<Vector>(_mm256_i64gather_pd(reinterpret_cast<const double*>(table), at, 8));

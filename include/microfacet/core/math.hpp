@@ -4,8 +4,8 @@
 // using-declarations below and any other scalar (a SIMD batch, an automatic-differentiation number, a Dr.Jit
 // array, an arbitrary-precision number) finds its own functions by argument-dependent lookup. There is no
 // `if` on a T: comparisons give masks, combined with &, | and !, and select(mask, a, b) chooses lane by lane.
-// any_lane(mask) may end a bounded loop early or skip a branch that no lane takes (choose); it never changes
-// a result beyond rounding.
+// any_lane(mask) may end a bounded loop early or skip a branch that no lane takes (select_lazy); it never
+// changes a result beyond rounding.
 #pragma once
 
 #include <bit>
@@ -45,7 +45,7 @@ constexpr T select(bool mask, T a, T b) {
 }
 constexpr bool any_lane(bool mask) { return mask; }
 
-// The floating-point type in which a T computes; specialise it for a scalar that is not itself one.
+// Names the floating-point type in which a T computes; specialise it for a scalar that is not itself one.
 template <class T>
 struct scalar_traits {
   using real = T;
@@ -56,7 +56,7 @@ T nan() {
   return T(static_cast<typename scalar_traits<T>::real>(not_a_number));
 }
 
-// Smallest normal number: a floor for arguments of log and of divisions.
+// Gives the smallest normal number: a floor for arguments of log and of divisions.
 template <class T>
 T smallest() {
   return T((std::numeric_limits<typename scalar_traits<T>::real>::min)());
@@ -67,13 +67,13 @@ T largest() {
   return T((std::numeric_limits<typename scalar_traits<T>::real>::max)());
 }
 
-// A bound on arguments that are squared or multiplied by themselves a few times: its square is finite.
+// Bounds arguments that are squared, then multiplied by a few numbers: the square is finite.
 template <class T>
 T largest_slope() {
   return T(1e-5) / sqrt(smallest<T>());
 }
 
-// Both pass a nan in their first argument on.
+// The larger and the smaller of two numbers; a nan in the first argument stays.
 template <class T>
 MICROFACET_INLINE T maximum(const T& a, const T& b) {
   return select(a < b, b, a);
@@ -83,7 +83,7 @@ MICROFACET_INLINE T minimum(const T& a, const T& b) {
   return select(a > b, b, a);
 }
 
-// select between two computations, of which one is left out where no lane needs it.
+// Selects between two computations and leaves one out where no lane needs it.
 template <class Mask, class Taken, class Other>
 auto select_lazy(const Mask& mask, const Taken& taken, const Other& other) {
   if (!any_lane(mask)) return other();
@@ -91,16 +91,16 @@ auto select_lazy(const Mask& mask, const Taken& taken, const Other& other) {
   return select(mask, taken(), other());
 }
 
-// x as it is rounded, where the rounding is part of the result: no flag lets a compiler see through it. Of
-// packs every operation is so.
+// Keeps the rounding of x where it is part of the result: no flag lets a compiler regroup across it. Packs
+// round every operation so.
 template <class T>
 MICROFACET_INLINE T rounded(T x) {
   if constexpr (std::is_same_v<T, float> || std::is_same_v<T, double>) MICROFACET_HOLD(x);
   return x;
 }
 
-// Infinity by overflow: under -ffinite-math-only compilers take what is written as infinity for something
-// that never occurs. So x <= largest<T>() stands for x < inf.
+// Makes infinity by overflow: under -ffinite-math-only compilers assume that a written infinity never occurs.
+// For the same reason x <= largest<T>() stands for x < inf.
 template <class T>
 MICROFACET_INLINE T infinite() {
   return rounded(T(T(2) * largest<T>()));
@@ -111,7 +111,7 @@ MICROFACET_INLINE T square(const T& x) {
   return x * x;
 }
 
-// a * b + c, rounded once where the hardware does it.
+// Gives a * b + c, rounded once where the hardware does it.
 template <class T>
 MICROFACET_INLINE T multiply_add(const T& a, const T& b, const T& c) {
   if constexpr (MICROFACET_FUSED && std::is_floating_point_v<T>) {
@@ -121,13 +121,14 @@ MICROFACET_INLINE T multiply_add(const T& a, const T& b, const T& c) {
   }
 }
 
-// x where the condition holds, nan elsewhere: how a parameter outside its domain turns a lane into nan.
+// Gives x where the condition holds and nan elsewhere: so a parameter outside its domain turns its lane into
+// nan.
 template <class T, class Mask>
 MICROFACET_INLINE T nan_unless(const Mask& condition, const T& x) {
   return select(condition, x, nan<T>());
 }
 
-// (exp(x) - 1)/x and log(1 + x)/x; at x = 0 their limits, which have the right slope for numbers that carry
+// (exp(x) - 1)/x and log(1 + x)/x, and at x = 0 their limits, with the right slope for numbers that carry
 // derivatives.
 template <class T>
 T expm1_over(const T& x) {
@@ -149,7 +150,7 @@ T log1p_over(const T& x) {
   return select(zero, T(T(1) - T(0.5) * x), log1p(x) / select(zero, T(1), x));
 }
 
-// A parameter of a family: its name and the open interval in which the family is defined.
+// Describes a parameter of a family: its name and the open interval in which the family is defined.
 struct parameter {
   std::string_view name;
   double lower;  // for every quantity
@@ -157,18 +158,17 @@ struct parameter {
   double density_lower;  // for the density and its slope marginals alone, where that is wider
 };
 
-// Roughness. Its square, and products of that with what results are made of, stay normal numbers; in a
-// narrower format than double the interval is that of all normal numbers.
+// Roughness. In this interval its square stays a normal number, and so do the products from which results are
+// made; in a narrower format than double the interval is that of all normal numbers.
 inline constexpr parameter roughness{"alpha", 1e-101, 1e101, 1e-101};
 
-// x inside the interval of a parameter, nan outside.
+// Gives x inside the interval of a parameter and nan outside.
 template <class T>
 MICROFACET_INLINE T inside(const parameter& domain, const T& x) {
   return nan_unless((x > T(domain.density_lower)) & (x < T(domain.upper)), x);
 }
 
-// A quantity that a last factor lifts is computed times 2^lift, so that it underflows only where the result
-// does.
+// Computing times 2^lift what a later factor raises lets it underflow only where the result does.
 template <class T>
 inline constexpr int lift = sizeof(typename scalar_traits<T>::real) == 4 ? 56 : 350;
 template <class T>

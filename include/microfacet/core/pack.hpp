@@ -1,7 +1,7 @@
-// The thin SIMD type: K registers of `Bytes` bytes on the vector extensions of GCC and Clang (K > 1
-// interleaves chains of dependent operations). A kernel that is written on a scalar T runs on it as it is;
-// its mathematics is core/elementary.hpp. A pack of integers is the mask of a comparison or the bits of a
-// pack of numbers.
+// A thin SIMD type: K registers of `Bytes` bytes on the vector extensions of GCC and Clang (K > 1 interleaves
+// chains of dependent operations). A kernel that is written on a scalar T runs on it unchanged; its
+// mathematics is core/elementary.hpp. A pack of integers is the mask of a comparison, or the bits of a pack
+// of numbers.
 #pragma once
 
 #include <bit>
@@ -44,7 +44,8 @@ struct pack {
   using modular_lane =
       typename std::conditional_t<std::is_integral_v<T>, std::make_unsigned<T>, std::type_identity<T>>::type;
   typedef modular_lane modular __attribute__((vector_size(Bytes)));
-// An expression of the registers k, for each of them: no function, which compilers would have to inline.
+// Evaluates an expression for each register k: a loop rather than a function, which compilers would have to
+// inline.
 #define MICROFACET_EACH(RESULT, EXPRESSION)                                                         \
   {                                                                                                 \
     RESULT r;                                                                                       \
@@ -94,7 +95,9 @@ struct pack {
   MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c)
     MICROFACET_EACH(pack, registers::fused(a.v[k], b.v[k], c.v[k]))
 #else
-  MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c) { return a * b + c; }
+  MICROFACET_INLINE friend pack multiply_add(const pack& a, const pack& b, const pack& c) {
+    return a * b + c;
+  }
 #endif
   // clang-format on
 #undef MICROFACET_EACH

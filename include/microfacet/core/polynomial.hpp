@@ -1,4 +1,4 @@
-// Sums of Chebyshev series by Clenshaw's recurrence.
+// Polynomials, and Chebyshev series by Clenshaw's recurrence.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace microfacet {
 
-// The coefficients that suit the numbers of which a T is made.
+// Chooses the coefficients that suit the numbers of which a T is made.
 template <class T, class Single, class Double>
 constexpr const auto& by_precision(const Single& single, const Double& precise) {
   if constexpr (sizeof(typename scalar_traits<T>::real) == 4) {

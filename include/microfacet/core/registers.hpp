@@ -1,6 +1,7 @@
 // The instructions that a register's operators do not reach: a * b + c rounded once, sqrt, the larger and the
-// smaller of two (a unless b is larger, or smaller, so that a nan in a stays), and whether any lane of a mask is set. On x86-64 by name, elsewhere by a loop over the lanes that the compiler turns into
-// the instruction if it can.
+// smaller of two (a unless b is larger, or smaller, so that a nan in a stays), and whether any lane of a mask
+// is set. On x86-64 by name, elsewhere by a loop over the lanes that the compiler turns into the instruction
+// if it can.
 #pragma once
 
 #include <cmath>

@@ -6,7 +6,7 @@
 
 namespace microfacet {
 
-// A slope with its square; exponents are made of the one or the other.
+// Holds a slope with its square; exponents are made of the one or the other.
 template <class T>
 struct slope {
   double_double<T> value, squared;
@@ -16,7 +16,8 @@ struct slope {
   slope(const double_double<T>& t, const double_double<T>& t2) : value(t), squared(t2) {}
 };
 
-// The slope |c|/s in which a direction sees the horizon, by one quotient and one root; s^2 counts as `least` at least.
+// Finds the slope |c|/s of the plane that a direction grazes, by one quotient and one root; an s^2 below
+// `least` counts as that.
 template <class T>
 struct horizon {
   T s;
@@ -30,7 +31,8 @@ struct horizon {
       : horizon(c, s2, T(sqrt(s2.high)), T(T(1) / s2.high)) {}
   MICROFACET_INLINE horizon(const T& c, const double_double<T>& s2, const T& root, const T& reciprocal)
       : s(root),
-        x(root_quotient(T(abs(c)), s2, root, T(root * reciprocal)), quotient(two_prod(c, c), s2, reciprocal)) {}
+        x(root_quotient(T(abs(c)), s2, root, T(root * reciprocal)),
+          quotient(two_prod(c, c), s2, reciprocal)) {}
 };
 
 template <class T>
@@ -38,7 +40,7 @@ struct fraction {
   T numerator, denominator;
 };
 
-// Of s from 0 to d, the integrals of P2(t + s)/P2(t) and of s times that.
+// Integrals of P2(t + s)/P2(t), and of s times that, over s from 0 to d.
 template <class T>
 struct near_integrals {
   T mass, moment;
@@ -54,7 +56,8 @@ visible_slopes<T> select(const Mask& mask, const visible_slopes<T>& a, const vis
   return {select(mask, a.along, b.along), select(mask, a.across, b.across)};
 }
 
-// A slope t >= 0 whose square is finite: the largest stands for all above it.
+
+// Bounds a slope t >= 0 so that its square is finite.
 template <class T>
 slope<T> bounded(const slope<T>& t) {
   const T most = largest_slope<T>();
@@ -63,8 +66,8 @@ slope<T> bounded(const slope<T>& t) {
           select(beyond, double_double<T>(T(most * most)), t.squared)};
 }
 
-// A probability above t >= 0 made one for any t by symmetry: 1/2 at 0 and nothing above infinity. The square
-// of a finite slope may be infinite.
+// Extends a probability above t >= 0 to any t by symmetry: it is 1/2 at 0 and 0 at infinity. The square of a
+// finite slope may be infinite.
 template <class T, class Upper>
 T symmetric_sf(const slope<T>& t_argument, const Upper& upper) {
   const T t = t_argument.value.high, size = abs(t);

@@ -37,8 +37,8 @@ inline constexpr T largest_cosine = T(1) + 8 * std::numeric_limits<T>::epsilon()
 // A direction in the plane y = 0 by its cosine u in [-1, 1] alone; beyond largest_cosine its z is nan.
 template <class T>
 struct cosine {
-  // 1 - u^2 keeps its digits as u -> 1: rounded once where the hardware does it, else as a sum of two or, in one
-  // number, as a product.
+  // 1 - u^2 keeps its digits as u -> 1: rounded once where the hardware does it, else as a sum of two or, in
+  // one number, as a product.
   static constexpr bool rounds_once = MICROFACET_FUSED && elementary::has_lanes<T>;
   T z;
   std::conditional_t<rounds_once, T, double_double<T>> sine2;

@@ -10,8 +10,8 @@ namespace microfacet {
 
 namespace detail {
 
-// 2 K_0(2y) and 2y K_1(2y) at y^2, or at y itself: round 0 as log(y) A(y^2) + B(y^2), fitted together, beyond as
-// exp(-2y) times a rational function.
+// 2 K_0(2y) and 2y K_1(2y) at y^2, or at y itself: round 0 as log(y) A(y^2) + B(y^2), fitted together, beyond
+// as exp(-2y) times a rational function.
 template <class T>
 class k0_functions {
  public:
