@@ -1,4 +1,4 @@
-# Every command of the project stands here once; nox, pre-commit and CI call these targets.
+# Every command of the project stands here once; pre-commit and CI call these targets.
 # `make help` lists them. Needs Python >= 3.11, a C++20 compiler (g++ >= 11 or clang++ >= 14) and make.
 
 PYTHON  ?= python3

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from mpmath import mp
 from scipy.stats import chi2
 
-from microfacet._checks import CheckResult, _k0, catalogue, p_value, routes, run
+from microfacet._checks import CheckResult, catalogue, k0, p_value, routes, run
 from microfacet.cli import main
 
 ITEMS = {item.id: item for item in catalogue()}
@@ -120,15 +120,15 @@ def test_one_roughness_does_not_show_that_a_function_is_independent_of_it(
 
 
 def test_the_printed_sigma_of_k0_does_not_pass_through_lambda(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_k0, "lambda_of_u", None)
+    monkeypatch.setattr(k0, "lambda_of_u", None)
     alpha = mp.mpf("0.37")
 
     def seen(u: Any) -> Any:
         s = mp.sqrt(1 - u**2)
-        return mp.quad(lambda p: (u - p * s) * _k0.P2(p, alpha), sorted({mp.ninf, min(u / s, 0), u / s}))
+        return mp.quad(lambda p: (u - p * s) * k0.P2(p, alpha), sorted({mp.ninf, min(u / s, 0), u / s}))
 
     for u in map(mp.mpf, (-0.8, -0.1, 0.2, 0.9)):
-        assert abs(_k0.sigma(u, alpha) / seen(u) - 1) < 1e-12
+        assert abs(k0.sigma(u, alpha) / seen(u) - 1) < 1e-12
 
 
 # Histograms

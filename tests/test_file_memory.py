@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import microfacet as mf
-from microfacet._surface import slope_files
+from microfacet._surface.read import slopes as slope_files
 from test_hostile_files import archive, x3p_index
 
 SIDE = 1500

@@ -381,7 +381,7 @@ def test_a_valid_x3p_of_our_own(tmp_path):
 
 def test_a_reader_that_hangs_or_dies_is_one_sentence(tmp_path, monkeypatch):
     pytest.importorskip("SurfaceTopography", reason="the extra 'surface' is not installed")
-    from microfacet._surface import process
+    from microfacet._surface.read import process
 
     (tmp_path / "map.opd").write_bytes(b"anything")
     monkeypatch.setattr(process, "HANG", 0.05)
@@ -392,7 +392,7 @@ def test_a_reader_that_hangs_or_dies_is_one_sentence(tmp_path, monkeypatch):
 
 
 def test_a_reader_has_processor_time_however_busy_the_machine_is(tmp_path, monkeypatch):
-    from microfacet._surface import process
+    from microfacet._surface.read import process
 
     shutil.copy(process.__file__.replace("process.py", "child.py"), tmp_path)
     (tmp_path / "map.opd").write_bytes(b"anything")

@@ -40,7 +40,7 @@ def test_examples_may_take_their_time() -> None:
 
 
 def test_limits_of_child_processes_are_for_what_hangs() -> None:
-    from microfacet._surface import process
+    from microfacet._surface.read import process
 
     assert process.HANG >= PATIENCE
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import microfacet as mf
-from microfacet._surface import library, library_child
+from microfacet._surface.read import library, library_child
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
 

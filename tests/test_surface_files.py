@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import microfacet as mf
-from microfacet._surface import library
+from microfacet._surface.read import library
 
 RNG = np.random.default_rng(0)
 LEVELS = RNG.integers(0, 65536, size=(6, 8), dtype=np.uint16)

@@ -36,12 +36,12 @@ __all__ = [
     "COLORS",
     "DASHES",
     "Lambda",
-    "brief",
     "density",
     "histogram",
     "joint",
     "label",
     "marginal",
+    "short_parameters",
     "sigma",
     "slope_histogram",
 ]
@@ -75,10 +75,10 @@ _GREEK = {
 }
 
 
-def brief(parameters: Mapping[str, float]) -> dict[str, float]:
+def short_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
     """Parameters with one alpha where both are equal, as one would write them.
 
-    >>> brief({"alpha_x": 0.5, "alpha_y": 0.5, "rotation": 0.0, "gamma": 2.0})
+    >>> short_parameters({"alpha_x": 0.5, "alpha_y": 0.5, "rotation": 0.0, "gamma": 2.0})
     {'alpha': 0.5, 'gamma': 2.0}
     """
     stretched = {name: parameters[name] for name in ("alpha_x", "alpha_y", "rotation") if name in parameters}
@@ -88,13 +88,18 @@ def brief(parameters: Mapping[str, float]) -> dict[str, float]:
     return {"alpha": stretched["alpha_x"], **shape}
 
 
+brief = short_parameters  # its name in 0.2
+
+
 def label(parameters: Mapping[str, float]) -> str:
     r"""Parameters as mathtext, for a legend.
 
     >>> label({"alpha": 0.5, "gamma": 2.0})
     '$\\alpha = 0.5,\\ \\gamma = 2$'
     """
-    terms = (f"{_GREEK.get(name, name)} = {value:.4g}" for name, value in brief(parameters).items())
+    terms = (
+        f"{_GREEK.get(name, name)} = {value:.4g}" for name, value in short_parameters(parameters).items()
+    )
     return "$" + r",\ ".join(terms) + "$"
 
 
@@ -182,7 +187,9 @@ def histogram(
     counts, edges = np.histogram(u, bins=bins, range=(0.0, 1.0))
     ax.stairs(counts / (n / bins), edges, fill=True, color=COLORS[ndf.family], alpha=0.3, label="samples")
     centre = np.linspace(0.0, 1.0, 801)[1:-1]
-    azimuths = np.linspace(0.0, np.pi, 1 if "alpha" in brief(ndf.parameters) else 64, endpoint=False)
+    azimuths = np.linspace(
+        0.0, np.pi, 1 if "alpha" in short_parameters(ndf.parameters) else 64, endpoint=False
+    )
     mean = np.mean([np.asarray(ndf.D(_directions(centre, azimuth))) for azimuth in azimuths], axis=0)
     line.setdefault("label", r"$2\pi u D(u)$")
     _draw(ax, ndf, centre, 2.0 * np.pi * centre * mean, line | {"linestyle": "-"})
@@ -253,7 +260,7 @@ def _directions(u: Array, azimuth: float) -> Array:
 
 
 def _slopes(ndf: Distribution, extent: float | None) -> Array:
-    parameters = brief(ndf.parameters)
+    parameters = short_parameters(ndf.parameters)
     reach = extent or 4.0 * parameters.get("alpha", parameters.get("alpha_x", 1.0))
     half = reach * np.linspace(0.0, 1.0, 201) ** 2  # dense at 0, where K0 and Bessel K peak
     return np.concatenate([-half[:0:-1], half])

@@ -96,7 +96,7 @@ def fit(
     >>> abs(best.params["alpha_x"] - 0.1) < 3 * best.standard_errors["alpha_x"] < 0.01
     True
     """
-    chosen, tell = chosen_families(families), progress or (lambda *_: None)
+    chosen, progress = chosen_families(families), progress or (lambda *_: None)
     if max_slopes is not None and not max_slopes >= 20:
         raise ValueError(f"max_slopes must lie in [20, inf) or be None, got {max_slopes}")
     if isinstance(slopes_or_surface, Surface):
@@ -109,7 +109,7 @@ def fit(
         slopes = prepare(slopes_or_surface, max_slopes)
     found = []
     for done, family in enumerate(chosen):
-        tell(family.title, done, len(chosen))
+        progress(family.title, done, len(chosen))
         found.append(_fit_family(family, slopes))
     return _ranked(found, slopes, lag)
 

@@ -104,10 +104,11 @@ def fit_scales(
     chosen = tuple(sorted(set(_default_lags(surface) if lags is None else lags)))
     if not chosen:
         raise ValueError("lags must name at least one lag, got none")
-    names, tell = [family.name for family in chosen_families(families)], progress or (lambda *_: None)
+    names = [family.name for family in chosen_families(families)]
+    progress = progress or (lambda *_: None)
     results = []
     for done, lag in enumerate(chosen):
-        tell(f"lag {lag}", done, len(chosen))
+        progress(f"lag {lag}", done, len(chosen))
         results.append(fit(surface, names, lag, max_slopes))
     chosen = tuple(int(found[0].lag or 0) for found in results)
     typical = tuple(_typical_slope(found[0]) for found in results)

@@ -40,7 +40,7 @@ def render(
     size: tuple[int, int] = (512, 512),
     spp: int = 256,
     seed: int = 0,
-    tell: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
     backdrop: bool = True,
 ) -> npt.NDArray[np.float64]:
     """Radiance (height, width, 3), and the share of the object where there is no backdrop; after `start`."""
@@ -49,4 +49,4 @@ def render(
     except RuntimeError as error:  # how Mitsuba tells what is wrong with a material
         said = str(error).strip().splitlines()[-1]
         raise ValueError(re.sub(r'^.*of type "\w+": ', "", said)) from None
-    return passes.render(built, size, spp, seed, tell)
+    return passes.render(built, size, spp, seed, progress)

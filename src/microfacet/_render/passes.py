@@ -1,4 +1,4 @@
-"""Rendering in passes that are added up, so that there is progress to tell and a place to stop."""
+"""Rendering in passes that are added up, so that a caller sees progress and can stop."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def counts(spp: int, pixels: int) -> Iterator[int]:
 
 
 def render(
-    scene: Any, size: tuple[int, int], spp: int, seed: int, tell: Callable[[int, int], None]
+    scene: Any, size: tuple[int, int], spp: int, seed: int, progress: Callable[[int, int], None]
 ) -> npt.NDArray[np.float64]:
     """The mean of `spp` samples per pixel, (height, width, channels); the same for the same seed.
 
@@ -41,8 +41,8 @@ def render(
     total: Any = 0.0
     done = 0
     for count, own in zip(passes, seeds, strict=True):
-        tell(done, spp)
+        progress(done, spp)
         total = total + count * np.array(mi.render(scene, spp=count, seed=int(own)), dtype=np.float64)
         done += count
-    tell(done, spp)
+    progress(done, spp)
     return np.asarray(total / spp)

@@ -1,20 +1,16 @@
 """Measured surfaces: read a height map, prepare it, take its slopes.
 
-`height_map.py` holds the data and `surface.py` what is done to them, with `form.py` (planes, polynomials,
-spheres) and `filters.py`; `areal.py` describes the result. The readers turn files into surfaces and treat
-every file as hostile: `read.py` decides who reads, `numpy_files.py` parses ``.npy`` and ``.npz``, `x3p.py`
-parses ``.x3p``, `text_files.py` grids of numbers. Libraries read the rest in a process of its own
-(`process.py`, `child.py`): `images.py` through OpenImageIO, `library.py` through SurfaceTopography.
-`slope_files.py` reads slopes that need no heights. `synthesis.py` makes maps of a family, by the laws of
-`mixing.py`.
+`height_map` holds the data and `surface` what is done to them, with `form` (planes, polynomials, spheres) and
+`filters`; `areal` describes the result. `read` turns files into surfaces. `synthesis` makes maps of a family,
+by the laws of `mixing`.
 """
 
 from __future__ import annotations
 
 from microfacet._surface.areal import Roughness, roughness
 from microfacet._surface.checks import SurfaceError
-from microfacet._surface.read import read_surface
-from microfacet._surface.slope_files import SlopeSample, read_normal_map, read_slopes
+from microfacet._surface.read.slopes import SlopeSample, read_normal_map, read_slopes
+from microfacet._surface.read.surfaces import read_surface
 from microfacet._surface.surface import Surface
 from microfacet._surface.synthesis import synthesize
 from microfacet._surface.terrain import sample_terrain

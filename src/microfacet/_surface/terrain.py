@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from microfacet._optional import needed
-from microfacet._surface import numpy_files
+from microfacet._surface.read import numpy_files
 from microfacet._surface.surface import Surface
 
 __all__ = ["sample_terrain"]

@@ -23,7 +23,7 @@ import nanobind
 import microfacet as mf
 from microfacet._core.processor import instruction_sets
 from microfacet.mitsuba import _cache, _check
-from microfacet.mitsuba._progress import tell
+from microfacet.mitsuba._progress import progress
 
 __all__ = ["Compiler", "compile_flags", "find_compiler", "key", "library"]
 
@@ -146,11 +146,11 @@ def library(variant: str) -> Path:
             objection = _cache.read_record(path)  # another process may have been quicker
             if objection is None:
                 begin = time.monotonic()
-                tell(f"compiling the Mitsuba plugins for {variant} (once, about 20 s of processor time)")
+                progress(f"compiling the Mitsuba plugins for {variant} (once, about 20 s of processor time)")
                 _compile(compiler, variant, path)
-                tell(f"comparing the plugins for {variant} with Mitsuba's own")
+                progress(f"comparing the plugins for {variant} with Mitsuba's own")
                 objection = _check.objection(path, variant, compiler.command[0])
-                tell(f"the plugins for {variant} took {time.monotonic() - begin:.0f} s; {folder} keeps them")
+                progress(f"the plugins for {variant} took {time.monotonic() - begin:.0f} s; {folder} keeps them")
                 _cache.write_record(path, objection)
                 _cache.prune(folder)
     if objection:
@@ -173,7 +173,7 @@ def _compile(compiler: Compiler, variant: str, target: Path) -> None:
             jobs = [pool.submit(compile_one, *each) for each in zip(sources, objects, strict=True)]
             for number, job in enumerate(as_completed(jobs), 1):
                 job.result()
-                tell(f"  {number} of {len(jobs)} sources compiled")
+                progress(f"  {number} of {len(jobs)} sources compiled")
         linked = Path(scratch) / target.name
         arguments = [*map(str, objects), *link_flags(), "-o", str(linked)]
         _run(compiler, arguments, f"link the plugins for {variant}")

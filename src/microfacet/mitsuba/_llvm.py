@@ -20,7 +20,7 @@ from pathlib import Path
 import drjit
 
 from microfacet.mitsuba import _cache, _check
-from microfacet.mitsuba._progress import tell
+from microfacet.mitsuba._progress import progress
 
 __all__ = ["usable"]
 
@@ -63,7 +63,7 @@ def usable() -> tuple[bool, str]:
             return True, ""
     except (OSError, ValueError):
         pass
-    tell("trying Dr.Jit's LLVM library (once, some seconds)")
+    progress("trying Dr.Jit's LLVM library (once, some seconds)")
     works, reason = _try()
     if works:
         with suppress(OSError, ImportError):  # it is only quicker with a memory

@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from contextlib import suppress
 
-__all__ = ["tell"]
+__all__ = ["progress"]
 
 
-def tell(what: str) -> None:
+def progress(what: str) -> None:
     """Print a line, wherever stderr leads."""
     if sys.stderr is not None:
         with suppress(OSError, ValueError):  # nobody reads it, or it is closed

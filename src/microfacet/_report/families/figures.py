@@ -60,7 +60,7 @@ def _density(family: Any, example: Example) -> FigureBlock:
 
 
 def _slopes(family: Any, example: Example) -> FigureBlock:
-    alpha = plot.brief(example.curves.parameters)["alpha"]
+    alpha = plot.short_parameters(example.curves.parameters)["alpha"]
     shown = example.shapes or (example.curves,)
     name, title = family.name, family.title
     reference = None if name == "beckmann" else mf.Beckmann(alpha=alpha)
@@ -121,7 +121,7 @@ def _masking(family: Any, example: Example) -> FigureBlock:
 def two_routes(family: Any, example: Example) -> FigureBlock:
     """sigma of the library, the delta integral at some directions, and their difference below."""
     ndf = example.sigma
-    arguments = tuple(plot.brief(ndf.parameters).values())
+    arguments = tuple(plot.short_parameters(ndf.parameters).values())
     u = np.cos(np.linspace(np.pi, 0.0, DIRECTIONS + 2))[1:-1]
     closed = np.asarray(family.kernels.sigma(u, *arguments), dtype=float)
     # A cosine next to 1 carries no slope, so the flattest normals are counted by their mass.
@@ -178,7 +178,7 @@ def _samples(family: Any, example: Example) -> FigureBlock:
 
 
 def _values(ndfs: tuple[Any, ...], parameter: str) -> str:
-    return ", ".join(f"{plot.brief(ndf.parameters)[parameter]:g}" for ndf in ndfs)
+    return ", ".join(f"{plot.short_parameters(ndf.parameters)[parameter]:g}" for ndf in ndfs)
 
 
 def _power(value: float) -> str:

@@ -97,12 +97,12 @@ def shares_of_orders(ndf: Any, degrees: float) -> Array:
 def _albedo(family: Any, example: Example) -> FigureBlock:
     points = qmc.Sobol(3, rng=np.random.default_rng(1)).random_base2(12)
     curves = [[single_albedo(ndf, degrees, points) for degrees in _ANGLES] for ndf in example.roughness]
-    given = plot.brief(example.curves.parameters)
+    given = plot.short_parameters(example.curves.parameters)
     shares = np.array([shares_of_orders(family.cls(**given | {"alpha": alpha}), 60.0) for alpha in ALPHAS])
 
     def against_angle(ax: Axes) -> None:
         for ndf, curve, (color, dash) in zip(example.roughness, curves, SERIES, strict=False):
-            alpha = plot.brief(ndf.parameters)["alpha"]
+            alpha = plot.short_parameters(ndf.parameters)["alpha"]
             ax.plot(_ANGLES, curve, color=color, linestyle=dash, label=rf"$\alpha = {alpha:g}$")
         ax.set(xlabel="angle of incidence (degrees)", ylabel="albedo", xlim=(0, 90), ylim=(0.0, 1.05))
 

@@ -53,7 +53,7 @@ def visible_slope_density(ndf: Any, w: Array, p: Array) -> Array:
 
 
 def _slopes(family: Any, ndf: Any) -> FigureBlock:
-    reach = 4.0 * plot.brief(ndf.parameters)["alpha"]
+    reach = 4.0 * plot.short_parameters(ndf.parameters)["alpha"]
     drawn = []
     for degrees in INCIDENCES:
         m = np.asarray(ndf.sample_visible(_towards(degrees), _uniforms(ndf, _SLOPES)))
@@ -161,7 +161,9 @@ def _deviations(ndf: Any, visible: bool, points: Array) -> Array:
 
 def _noise(family: Any, ndf: Any) -> FigureBlock:
     points = qmc.Sobol(3, rng=np.random.default_rng(1)).random_base2(_WEIGHTS)
-    rough = [family.cls(**(plot.brief(ndf.parameters) | {"alpha": alpha})) for alpha in ROUGHNESSES]
+    rough = [
+        family.cls(**(plot.short_parameters(ndf.parameters) | {"alpha": alpha})) for alpha in ROUGHNESSES
+    ]
     visible = [_deviations(each, True, points) for each in rough]
     every = [_deviations(each, False, points) for each in rough]
     gain = [(b / a) ** 2 for a, b in zip(visible, every, strict=True)]

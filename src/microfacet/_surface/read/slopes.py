@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from microfacet import _optional
-from microfacet._surface import images, numpy_files, process, text_files
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError, checked_file, short
+from microfacet._surface.read import images, numpy_files, process, text_files
 from microfacet._text import printable
 from microfacet._value import Value
 

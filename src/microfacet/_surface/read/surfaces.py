@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet import _optional
-from microfacet._surface import images, library, numpy_files, text_files, x3p
 from microfacet._surface.checks import METRES_PER_UNIT, SurfaceError, checked_file, pixel_sizes, short
+from microfacet._surface.read import images, library, numpy_files, text_files, x3p
 from microfacet._surface.surface import Surface
 from microfacet._text import listed, printable
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet import _optional
-from microfacet._surface import process
 from microfacet._surface.checks import SurfaceError, positive
+from microfacet._surface.read import process
 
 __all__ = ["SUFFIXES", "HeightImage", "decode", "read"]
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError, short
-from microfacet._surface.numpy_files import check_archive
+from microfacet._surface.read.numpy_files import check_archive
 
 __all__ = ["read_x3p"]
 
