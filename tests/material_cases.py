@@ -54,3 +54,39 @@ def mirrored(wi: Array, m: Array) -> Array:
 
 def unit(v: Array) -> Array:
     return np.asarray(v / np.linalg.norm(v, axis=-1, keepdims=True))
+
+
+def absorbing(ndf: Any) -> dict[str, Any]:
+    return {
+        "metal": mf.Conductor(ndf, 0.2, 3.9, scattering="multiple"),
+        "dark metal": mf.Conductor(ndf, 1.4, 0.3, scattering="multiple"),
+        "glass": mf.Dielectric(ndf, 1.5, scattering="multiple", mode="importance"),
+        "glass, radiance": mf.Dielectric(ndf, 1.5, scattering="multiple"),
+        "diffuse": mf.Diffuse(ndf, 0.6),
+    }
+
+
+def mean(x: Array, scale: Any = 1.0) -> tuple[Array, Array]:
+    """The mean of estimates along the first axis, and its standard error."""
+    values = np.asarray(x, np.float64) * scale
+    return values.mean(axis=0), values.std(axis=0) / np.sqrt(len(values))
+
+
+def agree(a: tuple[Array, Array], b: tuple[Array, Array]) -> None:
+    """Two means, each with its error."""
+    distance = np.abs(a[0] - b[0]) / np.maximum(np.hypot(a[1], b[1]), 1e-300)
+    assert np.all(np.where(a[0] == b[0], 0.0, distance) < 4.0), (a, b, distance)
+
+
+def materials(family: str, scattering: str = "single") -> list[Any]:
+    ndf = stretched(family)
+    found = [
+        mf.Conductor(ndf, 0.2, 3.9, scattering=scattering),
+        mf.Dielectric(ndf, 1.5, mode="importance", scattering=scattering),
+        mf.Dielectric(ndf, 0.1, scattering=scattering),
+        mf.Dielectric(ndf, 1.0, scattering=scattering),
+        mf.Diffuse(ndf, 0.9, scattering=scattering),
+    ]
+    return [
+        material for material in found if scattering == "multiple" or not isinstance(material, mf.Diffuse)
+    ]

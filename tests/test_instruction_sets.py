@@ -6,9 +6,6 @@ A build that the processor cannot run is not tested.
 from __future__ import annotations
 
 import concurrent.futures
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -277,26 +274,3 @@ def test_the_mode_of_the_processor_is_restored(build: str, dtype: type) -> None:
                 assert np.array([subnormal])[0] * dtype(1) == subnormal
                 with pytest.raises(FloatingPointError):
                     np.divide(dtype(1), dtype(0))
-
-
-# The choice
-
-
-def start(program: str, isa: str | None) -> subprocess.CompletedProcess[str]:
-    environment = {k: v for k, v in os.environ.items() if k != "MICROFACET_ISA"}
-    if isa is not None:
-        environment["MICROFACET_ISA"] = isa
-    return subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
-
-
-@pytest.mark.parametrize("isa", [None, *BUILDS])
-def test_the_environment_chooses_a_build(isa: str | None) -> None:
-    program = "import microfacet as mf, microfacet._core as c; print(c.isa, mf.ggx.D is c.ggx.D)"
-    assert start(program, isa).stdout.split() == [isa or list(BUILDS)[-1], "True"]
-
-
-def test_an_unknown_build_is_refused() -> None:
-    result = start("import microfacet", "avx3")
-    assert result.returncode == 1
-    sentence = f"MICROFACET_ISA must be one of {', '.join(BUILDS)} here, got 'avx3'"
-    assert result.stderr.splitlines()[-1] == f"ImportError: {sentence}"
