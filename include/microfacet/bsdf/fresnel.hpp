@@ -31,10 +31,9 @@ template <class T>
 fresnel_split<T> fresnel_dielectric(const T& cosine, const T& eta) {
   const T c = minimum(abs(cosine), T(1)), given = nan_unless((eta > T(0)) & (eta <= largest<T>()), eta);
   const T one = scale_of_index(given), index = given * one, near_c = c * one;
-  const double_double<T> excess = two_prod(index, index) + -two_prod(one, one),
-                         sum = excess + two_prod(near_c, near_c);
-  const T inside = sum.high + sum.low, root = sqrt(maximum(inside, T(0)));  // eta cos behind the interface
-  const T e = excess.high + excess.low, square_eta = index * index, floor = smallest<T>();
+  const auto eta2_minus_1 = sum_of_products<T>(index, index).plus(-one, one);
+  const T inside = eta2_minus_1.plus(near_c, near_c).value(), root = sqrt(maximum(inside, T(0)));  // eta cos behind the interface
+  const T e = eta2_minus_1.value(), square_eta = index * index, floor = smallest<T>();
   const T per_s = T(1) / (square(T(near_c + root)) + floor), per_p = T(1) / (square_eta * c + one * root + floor);
   const T s = e * per_s, near_1 = e * (square_eta * c * c - (T(1) - c) * (T(1) + c)) * per_p;
   const T difference = select((index > T(0.5)) & (index < T(2)), near_1, T(square_eta * c - one * root));
@@ -59,9 +58,8 @@ T fresnel_conductor(const T& cosine, const T& eta_argument, const T& k_argument)
   constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
   const T eta = maximum(given_eta, T(single ? 0x1p-30 : 0x1p-60)) * one;  // less makes no difference
   const T cosine_1 = minimum(abs(cosine), T(1)), c = cosine_1 * one;
-  const double_double<T> excess = two_prod(eta, eta) + -two_prod(k, k) + -two_prod(one, one);
-  const double_double<T> inside = excess + two_prod(c, c);
-  const T difference = inside.high + inside.low, e = excess.high + excess.low, twice = T(2) * eta * k;
+  const auto eta2_minus_1 = sum_of_products<T>(eta, eta).plus(-k, k).plus(-one, one);
+  const T difference = eta2_minus_1.plus(c, c).value(), e = eta2_minus_1.value(), twice = T(2) * eta * k;
   const T sum = sqrt(difference * difference + twice * twice);  // a^2 + b^2
   const T larger = sqrt(T(0.5) * (sum + abs(difference)) + smallest<T>());
   // The smaller of a and b by their product, which does not cancel.

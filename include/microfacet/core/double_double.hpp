@@ -80,6 +80,23 @@ MICROFACET_INLINE double_double<T> two_prod(const T& a, const T& b) {
   return {p, two_prod_error(a, b, p)};
 }
 
+// A sum of products that keeps the digits which cancellation leaves, in any format.
+template <class T>
+struct sum_of_products {
+  T high, low;
+
+  MICROFACET_INLINE sum_of_products(const T& a, const T& b)
+      : high(rounded(T(a * b))), low(two_prod_error(a, b, high)) {}
+  MICROFACET_INLINE sum_of_products plus(const T& a, const T& b) const {
+    const sum_of_products product(a, b);
+    sum_of_products sum = *this;
+    sum.high = rounded(T(high + product.high));
+    sum.low = low + (two_sum_error(high, product.high, sum.high) + product.low);
+    return sum;
+  }
+  MICROFACET_INLINE T value() const { return high + low; }
+};
+
 // a - b * c where b * c is a rounded: without error.
 template <class T>
 MICROFACET_INLINE T residual(const T& a, const T& b, const T& c) {

@@ -36,9 +36,7 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
     // Where 1/z^4 would overflow, D is zero.
     const T z = maximum(z_argument, T(single ? 1e-9 : 1e-75)), reciprocal = T(1) / (z * z);
     const double_double<T> r2 = quotient(h2, two_prod(z, z), reciprocal);
-    const double_double<T> finite(minimum(r2.high, T(1e30)),
-                                  low_of(r2));  // a fast root of infinity may be nan
-    const T value = detail::k0_functions<T>(finite).density(T(square(reciprocal) * T(1 / pi)));
+    const T value = detail::k0_functions<T>(r2).density(T(square(reciprocal) * T(1 / pi)));
     return select(r2.high == T(0), infinite<T>(), value);
   }
   T survival(const double_double<T>& r2) const { return detail::k0_functions<T>(r2).survival(); }

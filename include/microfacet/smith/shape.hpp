@@ -172,7 +172,8 @@ class anisotropic_shape {
     return a + b;
   }
   static double_double<T> component(const T& a, const T& x, const T& b, const T& y) {
-    return two_prod(a, x) + two_prod(b, y);
+    const sum_of_products<T> sum = sum_of_products<T>(a, x).plus(b, y);
+    return fast_two_sum(sum.high, sum.low);
   }
 
   double_double<T> alpha_x_, alpha_y_;

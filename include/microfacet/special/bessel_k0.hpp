@@ -15,9 +15,12 @@ namespace detail {
 template <class T>
 class k0_functions {
  public:
+  // A fast root of infinity may be nan.
   explicit k0_functions(const double_double<T>& y2)
-      : k0_functions(T(sqrt(y2.high)), y2.high, y2.high < T(square(meeting))) {
-    if constexpr (!one_number<T>) rest_ = residual(y2.high, root_, root_) + low_of(y2);
+      : k0_functions(T(sqrt(minimum(y2.high, T(most)))), y2.high, y2.high < T(square(meeting))) {
+    const auto finite = y2.high < T(most);
+    if constexpr (!one_number<T>)
+      rest_ = select(finite, T(residual(y2.high, root_, root_) + low_of(y2)), T(0));
   }
   k0_functions(const T& y, const T& y2) : k0_functions(y, y2, y < T(meeting)) {}
 
@@ -56,7 +59,7 @@ class k0_functions {
 
  private:
   using mask = decltype(T(0) < T(0));
-  static constexpr double meeting = 0.5625;
+  static constexpr double meeting = 0.5625, most = 1e30;
 
   k0_functions(const T& y, const T& y2, const mask& near)
       : near_(near), y_(minimum(maximum(y, smallest<T>()), T(1e3))), y2_(y2), root_(y) {}
