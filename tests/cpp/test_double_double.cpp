@@ -69,6 +69,18 @@ void transforms_are_exact() {
   }
 }
 
+// a b - a d is a (b - d), though b and d differ in the last place.
+template <class T>
+void sums_of_products_may_cancel() {
+  numbers<T> random;
+  for (int i = 0; i < 20000; ++i) {
+    const T a = random.next(20), b = random.next(20), d = std::nextafter(b, T(0));
+    const check::note at("a = ", a, ", b = ", b);
+    const auto difference = mf::sum_of_products<T>(a, b).plus(-a, d);
+    CHECK(difference.value() == a * (b - d));
+  }
+}
+
 template <class T>
 void arithmetic_keeps_the_digits() {
   numbers<T> random;
@@ -172,6 +184,9 @@ void packs_agree() {
 }  // namespace
 
 TEST(transforms_are_exact) { transforms_are_exact<float>(), transforms_are_exact<double>(); }
+TEST(sums_of_products_may_cancel) {
+  sums_of_products_may_cancel<float>(), sums_of_products_may_cancel<double>();
+}
 TEST(arithmetic_keeps_the_digits) {
   arithmetic_keeps_the_digits<float>(), arithmetic_keeps_the_digits<double>();
 }
