@@ -69,14 +69,20 @@ struct stretched_model {
   }
 };
 
-// Whether the parameters leave float32 room for their squares, and scales for the reciprocals of these.
+// The interval in which parameter a leaves float32 room for its square, and a scale for the reciprocal of that.
+template <class Model>
+constexpr std::array<double, 2> float32_interval(std::size_t a) {
+  if (a < Model::scales) return {1e-6, 1e6};
+  const double most = a < Model::count - Model::family::parameters.size() ? inf : 1e18;
+  return {-most, most};
+}
 template <class Model>
 bool fits_float32(const double* parameters, bool samples_visible) {
   using family = typename Model::family;
-  for (std::size_t a = 0; a < Model::scales; ++a)
-    if (parameters[a] < 1e-6 || parameters[a] > 1e6) return false;
-  for (std::size_t a = Model::count - family::parameters.size(); a < Model::count; ++a)
-    if (!(std::abs(parameters[a]) < 1e18)) return false;
+  for (std::size_t a = 0; a < Model::count; ++a) {
+    const auto [lower, upper] = float32_interval<Model>(a);
+    if (parameters[a] < lower || parameters[a] > upper) return false;
+  }
   // Steep slopes of a heavy tail leave float32.
   if constexpr (requires { family::sampling_fits_float32(0.0); }) {
     if (samples_visible) return family::sampling_fits_float32(parameters[Model::first]);

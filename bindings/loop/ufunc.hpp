@@ -146,9 +146,43 @@ struct ufunc_loops {
     return fits_float32(op, args, steps, 0) && !(op.samples_visible && in_place(op, args));
   }
 
-  // Runs of elements of one kind, each in its own arithmetic.
+  // Whether no parameter of n elements leaves float32.
+  static bool all_fit_float32(const operation_kernels& op, char* const* args, const npy_intp* steps,
+                              npy_intp n) {
+    int outside = 0;
+    for (std::size_t a = 0; a < Model::count; ++a) {
+      const auto [lower, upper] = float32_interval<Model>(a);
+      const char* const parameter = args[op.plan.values + a];
+      const npy_intp step = steps[op.plan.values + a];
+      const auto count = [&](npy_intp stride) {
+        for (npy_intp i = 0; i < n; ++i) {
+          const double x = static_cast<double>(
+              *reinterpret_cast<const stored_parameter<float>*>(parameter + i * stride));
+          outside |= static_cast<int>(x < lower) | static_cast<int>(x > upper);
+        }
+      };
+      if (step == sizeof(stored_parameter<float>))
+        count(sizeof(stored_parameter<float>));  // as vectors
+      else
+        count(step);
+    }
+    return outside == 0;
+  }
+  // Blocks of one kind, and where there are both, runs of elements, each in its own arithmetic.
   static void run_in_float32(const operation_kernels& op, char* const* args, const npy_intp* steps,
                              npy_intp n, bool constant) {
+    if (constant || op.samples_visible) return run_by_elements(op, args, steps, n, constant);
+    for (npy_intp first = 0; first < n; first += block_length) {
+      const npy_intp count = std::min<npy_intp>(block_length, n - first);
+      const arguments at = shifted(op, args, steps, first);
+      if (all_fit_float32(op, at.data(), steps, count))
+        run<float, float>(op, at.data(), steps, count, false);
+      else
+        run_by_elements(op, at.data(), steps, count, false);
+    }
+  }
+  static void run_by_elements(const operation_kernels& op, char* const* args, const npy_intp* steps,
+                              npy_intp n, bool constant) {
     for (npy_intp first = 0, last = 0; first < n; first = last) {
       const bool fits = fits_float32(op, args, steps, first);
       last = constant ? n : first + 1;
