@@ -70,6 +70,10 @@ struct policy {
   template <class Real>
   static constexpr bool computes_in = std::is_same_v<Real, double> || family::float32_arithmetic;
 
+  // Where parameters vary, float32 serves the short forms of a family whose other functions need more.
+  template <class Real>
+  static constexpr bool varies_in = computes_in<Real> || in_short_form;
+
   // Tables pay where all that the operation needs of the density is costly, as float32 is for a family that
   // computes in double: none stands for a short closed form. Visible normals without closed forms are drawn
   // from tables wherever there are any.
@@ -118,9 +122,11 @@ constexpr kernel_set<Real> kernels_of() {
     } else {
       k.constant = &evaluate_constant<Operation, lanes<Real>, own>;
     }
-    if constexpr (Varying && p::in_short_form) {
+  }
+  if constexpr (!p::searches && Varying && p::template varies_in<Real>) {
+    if constexpr (p::in_short_form) {
       k.varying = &evaluate_varying_flat<Model, Operation, lanes<Real>>;
-    } else if constexpr (Varying) {
+    } else {
       k.varying = &evaluate_varying<Model, Operation, lanes<Real>>;
     }
   }

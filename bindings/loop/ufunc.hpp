@@ -156,8 +156,8 @@ struct ufunc_loops {
       const npy_intp step = steps[op.plan.values + a];
       const auto count = [&](npy_intp stride) {
         for (npy_intp i = 0; i < n; ++i) {
-          const double x = static_cast<double>(
-              *reinterpret_cast<const stored_parameter<float>*>(parameter + i * stride));
+          const double x =
+              static_cast<double>(*reinterpret_cast<const stored_parameter<float>*>(parameter + i * stride));
           outside |= static_cast<int>(x < lower) | static_cast<int>(x > upper);
         }
       };
@@ -219,7 +219,8 @@ struct ufunc_loops {
       if (constant && ran_from_tables<T>(op, args, steps, n)) return;
       if (op.wide.constant == nullptr) return fill_with_nan<T>(op, args, steps, n);
     }
-    if (std::is_same_v<T, float> && op.single.constant != nullptr)
+    if (std::is_same_v<T, float> &&
+        (constant || WideParameters ? op.single.constant : op.single.varying) != nullptr)
       run_in_float32(op, args, steps, n, constant);
     else
       run<double, T>(op, args, steps, n, constant);
