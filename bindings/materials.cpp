@@ -75,12 +75,13 @@ struct material_operation {
 
 // Directions of unit length.
 template <class Real>
-void unit_direction(const array_distribution<Real>&, const material_block<Real>& b) {
+void unit_direction(const array_distribution<Real>&, material_blocks<Real>& b) {
   using pack = lanes<Real>;
-  for (int i = 0; i < b.padded; i += width<pack>) {
-    const vec3<pack> w = b.template direction<pack>(0, i);
-    store(w.x, b.out[0] + i), store(w.y, b.out[1] + i), store(w.z, b.out[2] + i);
-  }
+  while (b.next())
+    for (int i = 0; i < b.padded; i += width<pack>) {
+      const vec3<pack> w = b.template direction<pack>(0, i);
+      store(w.x, b.out[0] + i), store(w.y, b.out[1] + i), store(w.z, b.out[2] + i);
+    }
 }
 
 constexpr material_operation operations[] = {
@@ -117,44 +118,57 @@ struct material_call {
   npy_intp n;
 };
 
-// Contiguous arrays of the kernel's type are used in place, others pass through blocks.
+// The blocks of a call. Contiguous arrays of the kernel's type are used in place, others pass through buffers.
+template <class Compute, class T>
+class blocks_of_call : public material_blocks<Compute> {
+ public:
+  explicit blocks_of_call(const material_call& call) : call_(call), op_(*call.ufunc.operation) {
+    this->turn = [](material_blocks<Compute>& b) { return static_cast<blocks_of_call&>(b).advance(); };
+    this->narrow_results = sizeof(T) < sizeof(Compute);
+    this->one_material = std::all_of(call.steps + first_of_material(), call.steps + op_.values,
+                                     [](npy_intp step) { return step == 0; });
+    this->tolerance = static_cast<Compute>(
+        8 * std::max<double>(std::numeric_limits<T>::epsilon(), std::numeric_limits<Compute>::epsilon()));
+    for (std::size_t k = 0; k < op_.constants; ++k)
+      this->constant[k] = *reinterpret_cast<const double*>(call.args[op_.values + op_.elements + k]);
+  }
+
+ private:
+  std::size_t first_of_material() const { return 3 * op_.directions + op_.uniforms; }
+  char* at(std::size_t a) const { return call_.args[a] + first_ * call_.steps[a]; }
+  bool in_place(std::size_t a) const {
+    return std::is_same_v<T, Compute> && call_.steps[a] == sizeof(T) && this->count % filled_up<Compute> == 0;
+  }
+  bool advance() {
+    for (std::size_t k = 0, a = call_.ufunc.inputs(); this->count > 0 && k < op_.outputs; ++k, ++a)
+      if (!in_place(a)) scatter<Compute, T>(out_[k], at(a), call_.steps[a], this->count);
+    first_ += this->count;
+    if (first_ == call_.n) return false;
+    this->count = static_cast<int>(std::min<npy_intp>(walk_block, call_.n - first_));
+    this->padded = (this->count + filled_up<Compute> - 1) / filled_up<Compute> * filled_up<Compute>;
+    for (std::size_t a = 0; a < op_.values; ++a) {
+      this->in[a] = in_place(a) ? reinterpret_cast<const Compute*>(at(a)) : in_[a].data();
+      const bool uniform = a >= 3 * op_.directions && a < first_of_material();
+      if (!in_place(a))
+        (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call_.steps[a], this->count, in_[a]);
+    }
+    if (op_.elements != 0) gather<double>(at(op_.values), call_.steps[op_.values], this->count, this->element);
+    for (std::size_t k = 0, a = call_.ufunc.inputs(); k < op_.outputs; ++k, ++a)
+      this->out[k] = in_place(a) ? reinterpret_cast<Compute*>(at(a)) : out_[k].data();
+    return true;
+  }
+
+  const material_call& call_;
+  const material_operation& op_;
+  npy_intp first_ = 0;
+  std::array<block<Compute>, most_values> in_;
+  std::array<block<Compute>, most_results> out_;
+};
 template <class Compute, class T>
 void run_blocks(const array_distribution<Compute>& d, void* data) {
   const auto& call = *static_cast<const material_call*>(data);
-  const material_operation& op = *call.ufunc.operation;
-  struct storage {
-    material_block<Compute> b;
-    std::array<block<Compute>, most_values> in;
-    std::array<block<Compute>, most_results> out;
-  };
-  const auto s = std::make_unique<storage>();
-  material_block<Compute>& b = s->b;
-  b.narrow_results = sizeof(T) < sizeof(Compute);
-  b.tolerance = static_cast<Compute>(
-      8 * std::max<double>(std::numeric_limits<T>::epsilon(), std::numeric_limits<Compute>::epsilon()));
-  for (std::size_t k = 0; k < op.constants; ++k)
-    b.constant[k] = *reinterpret_cast<const double*>(call.args[op.values + op.elements + k]);
-  const material_kernel<Compute> kernel = op.template kernel<Compute>(d);
-  for (npy_intp first = 0; first < call.n; first += walk_block) {
-    const std::ptrdiff_t count = std::min<npy_intp>(walk_block, call.n - first);
-    constexpr std::ptrdiff_t full = filled_up<Compute>;
-    b.count = static_cast<int>(count), b.padded = static_cast<int>((count + full - 1) / full * full);
-    const auto at = [&](std::size_t a) { return call.args[a] + first * call.steps[a]; };
-    const auto direct = [&](std::size_t a) {
-      return std::is_same_v<T, Compute> && call.steps[a] == sizeof(T) && count % full == 0;
-    };
-    for (std::size_t a = 0; a < op.values; ++a) {
-      b.in[a] = direct(a) ? reinterpret_cast<const Compute*>(at(a)) : s->in[a].data();
-      const bool uniform = a >= 3 * op.directions && a < 3 * op.directions + op.uniforms;
-      if (!direct(a)) (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call.steps[a], count, s->in[a]);
-    }
-    if (op.elements != 0) gather<double>(at(op.values), call.steps[op.values], count, b.element);
-    for (std::size_t k = 0, a = call.ufunc.inputs(); k < op.outputs; ++k, ++a)
-      b.out[k] = direct(a) ? reinterpret_cast<Compute*>(at(a)) : s->out[k].data();
-    kernel(d, b);
-    for (std::size_t k = 0, a = call.ufunc.inputs(); k < op.outputs; ++k, ++a)
-      if (!direct(a)) scatter<Compute, T>(s->out[k], at(a), call.steps[a], count);
-  }
+  const auto blocks = std::make_unique<blocks_of_call<Compute, T>>(call);
+  call.ufunc.operation->template kernel<Compute>(d)(d, *blocks);
 }
 
 // How many distributions were made for calls: a loop that runs over the channels of a material instead of the

@@ -19,7 +19,7 @@ enum class event { eval, pdf, sample, facets, count };
 template <class Real>
 class array_distribution;
 template <class Real>
-using material_kernel = void (*)(const array_distribution<Real>&, const material_block<Real>&);
+using material_kernel = void (*)(const array_distribution<Real>&, material_blocks<Real>&);
 template <class Real>
 struct fused_kernels {
   std::array<material_kernel<Real>, static_cast<std::size_t>(event::count)> conductor, dielectric;

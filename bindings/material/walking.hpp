@@ -17,7 +17,7 @@ namespace microfacet::bindings {
 inline std::uint64_t whole(double x) { return x >= 0 && x < 0x1p53 ? static_cast<std::uint64_t>(x) : 0; }
 
 template <template <class> class Material, class Real>
-walk_task<Real> task_of(const material_block<Real>& b, std::size_t material) {
+walk_task<Real> task_of(const material_blocks<Real>& b, std::size_t material) {
   walk_task<Real> t;
   t.count = b.count, t.wi = b.template directions<lanes<Real>>(0), t.seed = whole(b.constant[0]);
   for (std::size_t k = 0; k < 2; ++k)
@@ -32,7 +32,7 @@ using walks = random_walk<lanes<Real>, array_distribution<Real>, Material>;
 // What a walk from wi gives, and 1/eta^2 of radiance that ends on the other side; nothing from below an
 // opaque surface.
 template <template <class> class Material, class Real>
-Real factor_of_walk(const material_block<Real>& b, std::size_t material, std::size_t i, Real wo_z,
+Real factor_of_walk(const material_blocks<Real>& b, std::size_t material, std::size_t i, Real wo_z,
                     bool radiance) {
   const Real wi_z = b.in[2][i];
   if constexpr (Material<Real>::transmits) {
@@ -48,32 +48,36 @@ Real factor_of_walk(const material_block<Real>& b, std::size_t material, std::si
 
 // wi, material | element | seed, radiance
 template <template <class> class Material, class Real>
-void walk_sample(const array_distribution<Real>& d, const material_block<Real>& b) {
+void walk_sample(const array_distribution<Real>& d, material_blocks<Real>& b) {
   const auto walk = std::make_unique<walks<Material, Real>>(d);
   block3<Real> wo{};
   block<Real> weight, order;
-  walk->sample(task_of<Material>(b, 3), wo, weight, order);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
-    const Real factor = factor_of_walk<Material>(b, 3, i, wo.z[i], b.constant[1] != 0);  // results may be arguments
-    b.out[0][i] = wo.x[i], b.out[1][i] = wo.y[i], b.out[2][i] = wo.z[i];
-    b.out[3][i] = weight[i] * factor, b.out[4][i] = order[i];
+  while (b.next()) {
+    walk->sample(task_of<Material>(b, 3), wo, weight, order);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
+      const Real factor = factor_of_walk<Material>(b, 3, i, wo.z[i], b.constant[1] != 0);  // results may be arguments
+      b.out[0][i] = wo.x[i], b.out[1][i] = wo.y[i], b.out[2][i] = wo.z[i];
+      b.out[3][i] = weight[i] * factor, b.out[4][i] = order[i];
+    }
   }
 }
 // wi, wo, material | element | seed, radiance, number of walks, first and last order
 template <template <class> class Material, class Real>
-void walk_eval(const array_distribution<Real>& d, const material_block<Real>& b) {
+void walk_eval(const array_distribution<Real>& d, material_blocks<Real>& b) {
   const auto walk = std::make_unique<walks<Material, Real>>(d);
-  const walk_task<Real> task = task_of<Material>(b, 6);
-  const block3<Real> wo = b.template directions<lanes<Real>>(3);
-  block<Real> sum{};
   const std::uint64_t number = whole(b.constant[2]);
   const auto first = static_cast<long>(whole(b.constant[3])), last = static_cast<long>(whole(b.constant[4]));
-  for (std::uint64_t k = 0; k < number; ++k) walk->evaluate(task, wo, k, first, last, sum);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
-    // nan of a direction that is none; of a material that is none the sum is nan.
-    const Real invalid = Real(0) * (task.wi.x[i] + task.wi.y[i] + task.wi.z[i] + wo.x[i] + wo.y[i] + wo.z[i]);
-    const Real factor = factor_of_walk<Material>(b, 6, i, wo.z[i], b.constant[1] != 0);
-    b.out[0][i] = (factor == 0 ? Real(0) : sum[i] / static_cast<Real>(number) * factor) + invalid;
+  while (b.next()) {
+    const walk_task<Real> task = task_of<Material>(b, 6);
+    const block3<Real> wo = b.template directions<lanes<Real>>(3);
+    block<Real> sum{};
+    for (std::uint64_t k = 0; k < number; ++k) walk->evaluate(task, wo, k, first, last, sum);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
+      // nan of a direction that is none; of a material that is none the sum is nan.
+      const Real invalid = Real(0) * (task.wi.x[i] + task.wi.y[i] + task.wi.z[i] + wo.x[i] + wo.y[i] + wo.z[i]);
+      const Real factor = factor_of_walk<Material>(b, 6, i, wo.z[i], b.constant[1] != 0);
+      b.out[0][i] = (factor == 0 ? Real(0) : sum[i] / static_cast<Real>(number) * factor) + invalid;
+    }
   }
 }
 

@@ -15,11 +15,11 @@ class conductor {
   static constexpr int parameters = 2, uniforms = 0;
   static constexpr bool transmits = false, closed = true;
 
-  conductor(const T& eta, const T& k) : eta_(eta), k_(k) {}
+  conductor(const T& eta, const T& k) : eta_(eta), interface_(eta, k) {}
   explicit conductor(const T* p) : conductor(p[0], p[1]) {}
 
   T reflectance(const T& cosine) const {
-    return select(eta_ > largest<T>(), T(T(1) + T(0) * cosine), fresnel_conductor(cosine, eta_, k_));
+    return select(eta_ > largest<T>(), T(T(1) + T(0) * cosine), interface_(cosine));
   }
 
   microfacet::half_vector<T> half_vector(const vec3<T>& wi, const vec3<T>& wo) const {
@@ -35,7 +35,8 @@ class conductor {
   }
 
  private:
-  T eta_, k_;
+  T eta_;
+  metal_interface<T> interface_;
 };
 
 }  // namespace microfacet

@@ -15,18 +15,22 @@ class dielectric {
   static constexpr bool transmits = true, closed = true;
 
   // The index of refraction below the surface over that above.
-  explicit dielectric(const T& eta) : eta_(nan_unless((eta > T(0)) & (eta <= largest<T>()), eta)) {}
+  explicit dielectric(const T& eta)
+      : eta_(nan_unless((eta > T(0)) & (eta <= largest<T>()), eta)),
+        inverse_(T(1) / eta_),
+        interface_(eta_),
+        denser_(maximum(eta_, inverse_)) {}
   explicit dielectric(const T* p) : dielectric(p[0]) {}
 
   // The same facets for light from below, in coordinates that are turned over.
   template <class Mask>
   dielectric flipped(const Mask& below) const {
-    return dielectric(select(below, T(T(1) / eta_), eta_));
+    return any_lane(below) ? dielectric(select(below, inverse_, eta_)) : *this;
   }
 
   T eta() const { return eta_; }
-  T reflectance(const T& cosine) const { return fresnel_dielectric(cosine, eta_).reflected; }
-  T transmittance(const T& cosine) const { return fresnel_dielectric(cosine, eta_).passed; }
+  T reflectance(const T& cosine) const { return interface_(cosine).reflected; }
+  T transmittance(const T& cosine) const { return interface_(cosine).passed; }
 
   microfacet::half_vector<T> half_vector(const vec3<T>& wi, const vec3<T>& wo) const {
     return select_lazy(
@@ -43,25 +47,31 @@ class dielectric {
   T reflected(const microfacet::half_vector<T>& m, const T& D, const T& inverse_sigma) const {
     return share(reflectance(m.cosine), pdf_of_mirrors(D, inverse_sigma));
   }
+  // Whether a facet refracts wi into wo: it is seen by both, from its two sides.
+  auto refracts(const vec3<T>& wo, const microfacet::half_vector<T>& m) const {
+    return (m.cosine > T(0)) & (dot(wo, m.m) < T(0)) & (m.m.z > T(0)) & (eta_ != T(1));
+  }
   // Of the two cosines that the directions make with m, the one in the thinner medium determines the other, which
   // changes little with it.
   T refracted(const vec3<T>& wi, const vec3<T>& wo, const microfacet::half_vector<T>& m, const T& D,
               const T& inverse_sigma) const {
     const T before = m.cosine, behind = -dot(wo, m.m);
     const auto to_denser = eta_ >= T(1);
-    const T thin = select(to_denser, before, behind), relative = maximum(eta_, T(T(1) / eta_));
-    const fresnel_split<T> split = fresnel_dielectric(thin, relative);
+    const T thin = select(to_denser, before, behind);
+    const fresnel_split<T> split = denser_(thin);
     const T cosine = select(to_denser, thin, split.cosine), cosine_t = select(to_denser, split.cosine, thin);
     const T density = cosine * D * inverse_sigma * refraction_jacobian(cosine, cosine_t, eta_);
-    const auto possible = (before > T(0)) & (behind > T(0)) & (eta_ != T(1));
-    const T nothing = T(0) * (eta_ + wo.z);
-    // An interface of equal indices deflects nothing: all goes to -wi, whose density is infinite.
+    return select(refracts(wo, m), share(split.passed, density), unrefracted(wi, wo));
+  }
+  // What is sent to wo where no facet refracts: an interface of equal indices deflects nothing, and all goes to -wi, whose
+  // density is infinite.
+  T unrefracted(const vec3<T>& wi, const vec3<T>& wo) const {
     const auto straight = (eta_ == T(1)) & (wo.x == -wi.x) & (wo.y == -wi.y) & (wo.z == -wi.z);
-    return select(possible, share(split.passed, density), select(straight, T(inf), nothing));
+    return select(straight, T(inf), T(T(0) * (eta_ + wo.z)));
   }
   // Reflects or refracts, each with its own probability, as the first uniform number says.
   scattered<T> scatter(const vec3<T>& wi, const vec3<T>& m, const T& xi, const T&) const {
-    const fresnel_split<T> at = fresnel_dielectric(dot(wi, m), eta_);
+    const fresnel_split<T> at = interface_(dot(wi, m));
     // Also for xi = 1, but where all is reflected.
     const decltype(xi < xi) passed = ((xi >= at.reflected) & (at.reflected < T(1))) | (eta_ == T(1));
     const vec3<T> through = refract(wi, m, eta_, at.cosine);
@@ -70,7 +80,8 @@ class dielectric {
   }
 
  private:
-  T eta_;
+  T eta_, inverse_;
+  dielectric_interface<T> interface_, denser_;  // the latter from the thinner medium
 };
 
 }  // namespace microfacet

@@ -131,7 +131,10 @@ class scattering_pair {
     const T D = ndf.D(m.m);
     if constexpr (transmits) {
       const half l = half_vector_transmission(wi_, wo_, material_.eta());
-      return {material_.reflected(m, D, inverse), material_.refracted(wi_, wo_, l, ndf.D(l.m), inverse)};
+      const T lenses = select_lazy(
+          material_.refracts(wo_, l), [&] { return material_.refracted(wi_, wo_, l, ndf.D(l.m), inverse); },
+          [&] { return material_.unrefracted(wi_, wo_); });
+      return {material_.reflected(m, D, inverse), lenses};
     } else {
       return {pdf_of_mirrors(D, inverse), T(0)};
     }
