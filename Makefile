@@ -82,6 +82,9 @@ bench-check: $(VENV)/.package  ## no kernel has become half as fast as benchmark
 docs-accuracy: $(VENV)/.package $(VENV)/.test  ## measure the accuracy again and write docs/accuracy.md
 	$(BIN)/python tools/measure_accuracy.py
 
+docs-formulas:  ## write the formulas of the report into docs/family
+	$(PYTHON) tools/write_formulas.py
+
 docs-sampling: $(VENV)/.package $(VENV)/.test  ## test every sampler of the full grid and write docs/sampling_tests.md (half an hour)
 	$(BIN)/python tools/measure_sampling.py $(ARGS)
 
@@ -153,5 +156,5 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group lint
 	@touch $@
 
-.PHONY: report install test test-cpp sanitize fuzz headers lint format bench bench-check docs-accuracy docs-sampling \
-  docs-furnace docs-traced bench-materials fit-coverage bench-fit clean help
+.PHONY: report install test test-cpp sanitize fuzz headers lint format bench bench-check docs-accuracy docs-formulas \
+  docs-sampling docs-furnace docs-traced bench-materials fit-coverage bench-fit clean help

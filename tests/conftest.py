@@ -1,6 +1,9 @@
 """Settings for all tests: property tests are the same in every run, BLAS keeps to one thread, one cache."""
 
 import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -28,3 +31,26 @@ def pytest_configure(config: pytest.Config) -> None:
     """Compiled plugins live with pytest's other memories: one compilation serves all workers and runs."""
     if cache := getattr(config, "cache", None):
         os.environ.setdefault("MICROFACET_CACHE", str(cache.mkdir("microfacet")))
+
+
+@pytest.fixture
+def run() -> Callable[..., Any]:
+    """The command line in this process: arguments to what `click.testing` says of it."""
+    from click.testing import CliRunner
+
+    from microfacet.cli import main
+
+    def call(*arguments: str, stdin: str | None = None) -> Any:
+        return CliRunner().invoke(main, list(arguments), input=stdin)
+
+    return call
+
+
+@pytest.fixture
+def stub(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A source of one line in place of Mitsuba's plugins."""
+    import mitsuba_process
+    from mitsuba_stub import VARIANT, Stub
+
+    mitsuba_process.require(VARIANT)
+    return Stub(tmp_path, monkeypatch)

@@ -6,6 +6,7 @@ import doctest
 import os
 import pathlib
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -45,6 +46,12 @@ def test_citations_are_in_the_bibliography() -> None:
         for key in re.findall(r"\b[a-z]{3,}(?:19|20)\d\d[a-z]{3,}\b", path.read_text(encoding="utf-8"))
     }
     assert cited <= BIBLIOGRAPHY, sorted(cited - BIBLIOGRAPHY)
+
+
+def test_families_pages_have_the_formulas_of_the_report() -> None:
+    for path, text in runpy.run_path(str(ROOT / "tools" / "write_formulas.py"))["pages"]().items():
+        assert text.count("$$") > 10
+        assert path.read_text(encoding="utf-8") == text, f"{relative(path)}: run `make docs-formulas`"
 
 
 def test_accuracy_is_documented_for_every_function() -> None:

@@ -3,34 +3,18 @@
 from __future__ import annotations
 
 import json
-import os
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-import microfacet as mf
 import mitsuba_answers
 import mitsuba_process
-from material_cases import directions
 from mitsuba_cases import FAMILIES, GLASS, OURS
+from mitsuba_parameter_cases import INPUTS, LLVM, METAL, SCALAR, STUDENT
 
-LLVM, SCALAR = "llvm_ad_rgb", "scalar_rgb"
-N = 300
-WI, WO = directions(N, 1).astype(np.float32), directions(N, 2).astype(np.float32)
-WI[:, 2], WO[:, 2] = np.abs(WI[:, 2]), np.abs(WO[:, 2])
-INPUTS = {
-    "wi": WI,
-    "wo": WO,
-    "xi": np.random.default_rng(3).random((N, 3)).astype(np.float32),
-    "uv": np.random.default_rng(4).random((N, 2)).astype(np.float32),
-}
-I, O = WI.astype(np.float64), WO.astype(np.float64)  # noqa: E741
 CONDUCTOR, DIELECTRIC = OURS["conductor"], OURS["dielectric"]
 SHAPES = {"gtr": {"gamma": 1.5}, "student_t": {"gamma": 2.5}, "bessel_k": {"a": 0.7}}
-METAL = {name: {"type": "uniform", "value": value} for name, value in (("eta", 0.2), ("k", 3.9))}
 METALLIC = '<spectrum name="eta" type="uniform"><float name="value" value="0.2"/></spectrum>\n'
 METALLIC += '<spectrum name="k" type="uniform"><float name="value" value="3.9"/></spectrum>'
 CHECKS = {"type": "checkerboard", "color0": 0.1, "color1": 0.4}
@@ -215,7 +199,6 @@ def test_parameters_have_the_names_of_the_documents(bsdf: dict[str, Any], names:
 
 # --- mistakes ---
 
-STUDENT = {"distribution": "student_t"}
 #: Properties, and words that the sentence holds.
 MISTAKES: list[tuple[str, dict[str, Any], list[str]]] = [
     (CONDUCTOR, {"distribution": "phong"}, ["distribution", "phong", "student_t"]),
@@ -263,76 +246,3 @@ def test_mistakes_are_named(complaints: list[str], number: int) -> None:
     said = complaints[number]
     assert all(word in said for word in [plugin, *words]), said
     assert len([line for line in said.splitlines() if all(word in line for word in words)]) == 1
-
-
-# --- the page ---
-
-
-def test_the_code_of_the_document_runs() -> None:
-    text = (Path(__file__).parents[1] / "docs" / "mitsuba.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
-    assert len(blocks) == 3
-    mitsuba_process.run("\n".join(blocks), LLVM)
-    (described,) = re.findall(r"```xml\n(.*?)```", text, flags=re.DOTALL)
-    code = "print(mi.load_string(sys.argv[1].replace('<bsdf', '<bsdf version=\"3.0.0\"', 1)))"
-    assert "conductor" in mitsuba_process.run(code, SCALAR, described)
-
-
-# --- variants ---
-
-
-@pytest.mark.parametrize("variant", ["scalar_spectral", "llvm_ad_spectral"])
-@pytest.mark.parametrize("material", OURS)
-def test_spectral_variants(variant: str, material: str, tmp_path: Path) -> None:
-    """Four wavelengths at a time, of a metal by its table and of glass; gold is redder than blue."""
-    plugin = OURS[material]
-    own = {"material": "Au"} if material == "conductor" else {"int_ior": GLASS, "ext_ior": 1.0}
-    query = {"bsdf": {"type": plugin, **STUDENT, "gamma": 2.5, "alpha": 0.3, **own}}
-    found = mitsuba_answers.ask({"one": query}, variant, tmp_path, **INPUTS)["one"]
-    ndf = mf.StudentT(alpha=0.3, gamma=2.5)
-    good = np.sum(I * (I + O), axis=-1) / np.linalg.norm(I + O, axis=-1) > 0.1
-    if material == "conductor":
-        mirror = mf.Conductor(ndf).eval(I, O)
-        share = (found["eval"] / mirror[:, None])[good & (mirror > 1e-4)]
-        assert found["eval"].shape == (N, 4)
-        assert np.all(share < 1.0)
-        assert np.all(share[:, -1] > 1.5 * share[:, 0])
-    else:
-        expected = mf.Dielectric(ndf, GLASS).eval(I, O)
-        ordinary = good & (expected > 1e-5)
-        for k in range(4):
-            np.testing.assert_allclose(found["eval"][ordinary, k], expected[ordinary], rtol=1e-5)
-
-
-OTHERS = [
-    "scalar_spectral_polarized",
-    "llvm_ad_mono",
-    "llvm_ad_mono_polarized",
-    "llvm_ad_spectral_polarized",
-]
-
-
-@pytest.mark.skipif(
-    not os.environ.get("MICROFACET_ALL_VARIANTS"),
-    reason="each variant is compiled for some ten seconds: set MICROFACET_ALL_VARIANTS",
-)
-@pytest.mark.parametrize("variant", OTHERS)
-def test_the_other_variants(variant: str, tmp_path: Path) -> None:
-    """What a Mueller matrix says of unpolarised light stands in its first entry."""
-    queries = {
-        material: {"bsdf": {"type": plugin, **STUDENT, "gamma": 2.5, "alpha": 0.3, **constants}}
-        for (material, plugin), constants in zip(
-            OURS.items(), (METAL, {"int_ior": GLASS, "ext_ior": 1.0}), strict=True
-        )
-    }
-    found = mitsuba_answers.ask(queries, variant, tmp_path, **INPUTS)
-    ndf = mf.StudentT(alpha=0.3, gamma=2.5)
-    ours: dict[str, Any] = {"conductor": mf.Conductor(ndf, 0.2, 3.9), "dielectric": mf.Dielectric(ndf, GLASS)}
-    good = np.sum(I * (I + O), axis=-1) / np.linalg.norm(I + O, axis=-1) > 0.1
-    for material, answer in found.items():
-        expected = ours[material].eval(I, O)
-        ordinary = good & (expected > 1e-5)
-        value = answer["eval"].reshape(N, -1)[:, 0]
-        np.testing.assert_allclose(value[ordinary], expected[ordinary], rtol=2e-5)
-        entries = answer["eval"].reshape(N, -1)
-        assert np.all(np.abs(entries) <= entries.max(axis=1, keepdims=True) * (1.0 + 1e-5))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import struct
 import sys
 import zlib
 
@@ -14,35 +13,9 @@ from hypothesis import strategies as st
 
 import microfacet as mf
 from microfacet._surface.read import library
+from surface_file_cases import LEVELS, RNG, png, refused, write_image
 
-RNG = np.random.default_rng(0)
-LEVELS = RNG.integers(0, 65536, size=(6, 8), dtype=np.uint16)
 HEIGHTS = RNG.normal(size=(6, 8)).astype(np.float32)
-
-
-def refused(call, message):
-    with pytest.raises(mf.SurfaceError, match=message) as caught:
-        call()
-    assert "\n" not in str(caught.value)
-    assert len(str(caught.value)) < 600
-
-
-def write_image(file, pixels, names=None):
-    if file.suffix.startswith(".tif"):
-        pytest.importorskip("tifffile", reason="the extra 'surface' is not installed").imwrite(file, pixels)
-        return
-    oiio = pytest.importorskip("OpenImageIO", reason="the extra 'surface' is not installed")
-    pixels = np.ascontiguousarray(pixels if pixels.ndim == 3 else pixels[..., np.newaxis])
-    kinds = {"float32": "float", "float64": "double", "float16": "half"}
-    spec = oiio.ImageSpec(
-        pixels.shape[1], pixels.shape[0], pixels.shape[2], kinds.get(str(pixels.dtype), str(pixels.dtype))
-    )
-    if names:
-        spec.channelnames = names
-    output = oiio.ImageOutput.create(str(file))
-    assert output.open(str(file), spec), output.geterror()
-    assert output.write_image(pixels), output.geterror()
-    output.close()
 
 
 def write_geotiff(file, heights, model=1, unit=9001, size=(30.0, 25.0), nodata=None):
@@ -142,18 +115,6 @@ def test_the_tiff_of_a_microscope_goes_to_the_library_that_knows_it(tmp_path, mo
     surface = mf.read_surface(tmp_path / "afm.tiff")
     assert surface.pixel_size == pytest.approx((1e-9, 1e-9))
     assert surface.steps == ("read channel 'Height' with SurfaceTopography",)
-
-
-def png(width, height, bits=16, colour=0, data=b""):
-    """A PNG that claims any size."""
-
-    def chunk(name, content):
-        return (
-            struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
-        )
-
-    header = struct.pack(">IIBBBBB", width, height, bits, colour, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 
 
 IMAGES = {
@@ -291,122 +252,3 @@ def test_any_text_is_read_or_refused(tmp_path, text, esri):
         mf.read_surface(tmp_path / "map.txt", pixel_size=1.0)
     with contextlib.suppress(mf.SurfaceError):
         mf.read_slopes(tmp_path / "map.txt")
-
-
-# Slopes
-
-
-def slope_file(folder, kind, slopes):
-    file = folder / f"slopes.{kind}"
-    if kind == "npy":
-        np.save(file, slopes)
-    elif kind == "npz":
-        np.savez(file, slopes=slopes)
-    elif kind == "parquet":
-        arrow = pytest.importorskip("pyarrow", reason="the extra 'parquet' is not installed")
-        parquet = pytest.importorskip("pyarrow.parquet")
-        parquet.write_table(arrow.table({"p": slopes[:, 0], "i": slopes[:, 0], "q": slopes[:, 1]}), file)
-    else:
-        heading = "p,q\n" if kind == "csv" else ""
-        mark = "," if kind == "csv" else " "
-        file.write_text(heading + "\n".join(mark.join(map(repr, row)) for row in slopes.tolist()))
-    return file
-
-
-@pytest.mark.parametrize("kind", ["npy", "npz", "csv", "txt", "parquet"])
-def test_slopes_from_tables(tmp_path, kind):
-    slopes = np.random.default_rng(3).normal(size=(50, 2))
-    slopes[7, 1] = np.nan
-    sample = mf.read_slopes(slope_file(tmp_path, kind, slopes))
-    assert np.array_equal(sample.values, np.delete(slopes, 7, axis=0))
-    assert sample.steps == ("1 of 50 rows left out, which are not finite",)
-    assert sample.source == f"slopes.{kind}"
-    assert np.array_equal(np.asarray(sample), sample.values)
-    assert len(sample) == 49
-
-
-def test_slopes_are_fitted_as_an_array_is(tmp_path):
-    slopes = 0.2 * np.random.default_rng(3).normal(size=(500, 2))
-    sample = mf.read_slopes(slope_file(tmp_path, "npy", slopes))
-    assert mf.fit(sample, "beckmann")[0].params == mf.fit(slopes, "beckmann")[0].params
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "message"),
-    [
-        ("a.npy", b"", "empty"),
-        ("a.npy", b"hello", "cannot be read"),
-        ("a.npz", b"hello", "cannot be read"),
-        ("a.xls", b"hello", "slopes come in"),
-        ("a.csv", b"p,q,r\n1,2,3\n", "two columns"),
-        ("a.csv", b"p,q\n", "two columns|no numbers|none of"),
-        ("a.csv", b"p,q\nnan,nan\n", "none of the 1 rows"),
-        ("a.csv", b"p,q\n1,two\n", "not a table of numbers"),
-        ("a.parquet", b"hello, world", "cannot be read|pyarrow"),
-        ("a.parquet", b"PAR1" + bytes(50) + b"\xff\xff\xff\x7fPAR1", "cannot be read|pyarrow|crashed"),
-    ],
-)
-def test_bad_slopes(tmp_path, name, content, message):
-    (tmp_path / name).write_bytes(content)
-    refused(lambda: mf.read_slopes(tmp_path / name), message)
-    refused(lambda: mf.read_slopes(tmp_path / f"other_{name}"), "no such file")
-
-
-def normals_of(slopes):
-    p, q = slopes[..., 0], slopes[..., 1]
-    return np.stack((-p, -q, np.ones_like(p)), axis=-1) / np.sqrt(1 + p**2 + q**2)[..., np.newaxis]
-
-
-SLOPES = 0.4 * np.random.default_rng(5).normal(size=(7, 9, 2))
-
-
-@pytest.mark.parametrize(
-    ("kind", "suffix", "step"), [("u1", "png", 127.5), ("u2", "png", 32767.5), ("f4", "exr", 1e7)]
-)
-def test_normal_maps(tmp_path, kind, suffix, step):
-    """The rows of an image run down, and so does the green of the DirectX convention."""
-    normals = normals_of(SLOPES)
-    pixels = (
-        normals.astype("f4")
-        if kind == "f4"
-        else np.round((normals + 1) / 2 * np.iinfo(kind).max).astype(kind)
-    )
-    write_image(tmp_path / f"n.{suffix}", pixels)
-    sample = mf.read_normal_map(tmp_path / f"n.{suffix}")
-    assert sample.values == pytest.approx(SLOPES.reshape(-1, 2), abs=6 / step)
-    other = mf.read_normal_map(tmp_path / f"n.{suffix}", "directx")
-    assert other.values == pytest.approx(sample.values * [1, -1])
-    assert sample.steps == ("normal map of 9 x 7 pixels, opengl convention",)
-
-
-def test_normals_that_do_not_point_up_are_left_out(tmp_path):
-    pixels = ((normals_of(SLOPES) + 1) / 2).astype("f4")
-    pixels[2, 3] = (0.5, 0.5, 0.4)
-    pixels[0, 0, 2] = np.nan
-    write_image(tmp_path / "n.exr", pixels)
-    sample = mf.read_normal_map(tmp_path / "n.exr")
-    assert len(sample) == 61
-    assert sample.steps[1:] == (
-        "components taken to be mapped to [0, 1]",
-        "2 of 63 pixels left out, whose z is not positive",
-    )
-    write_image(tmp_path / "down.exr", np.zeros((4, 4, 3), "f4") - 1)
-    refused(lambda: mf.read_normal_map(tmp_path / "down.exr"), "none of the 16 pixels")
-
-
-def test_bad_normal_maps(tmp_path):
-    write_image(tmp_path / "grey.png", LEVELS)
-    refused(lambda: mf.read_normal_map(tmp_path / "grey.png"), "three channels")
-    refused(lambda: mf.read_normal_map(tmp_path / "grey.png", "vulkan"), "opengl or directx")
-    refused(lambda: mf.read_normal_map(tmp_path / "grey.bmp"), "no such file")
-    (tmp_path / "grey.bmp").write_bytes(b"BM" + bytes(60))
-    refused(lambda: mf.read_normal_map(tmp_path / "grey.bmp"), "a normal map is one of")
-
-
-def test_without_the_libraries_one_sentence_says_what_to_install(tmp_path, monkeypatch):
-    (tmp_path / "map.png").write_bytes(png(8, 8))
-    monkeypatch.setitem(sys.modules, "OpenImageIO", None)
-    refused(lambda: mf.read_surface(tmp_path / "map.png", pixel_size=1.0), r"\.\[surface\]")
-    (tmp_path / "a.parquet").write_bytes(b"PAR1")
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    refused(lambda: mf.read_slopes(tmp_path / "a.parquet"), r"\.\[parquet\]")

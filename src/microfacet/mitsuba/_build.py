@@ -150,7 +150,9 @@ def library(variant: str) -> Path:
                 _compile(compiler, variant, path)
                 progress(f"comparing the plugins for {variant} with Mitsuba's own")
                 objection = _check.objection(path, variant, compiler.command[0])
-                progress(f"the plugins for {variant} took {time.monotonic() - begin:.0f} s; {folder} keeps them")
+                progress(
+                    f"the plugins for {variant} took {time.monotonic() - begin:.0f} s; {folder} keeps them"
+                )
                 _cache.write_record(path, objection)
                 _cache.prune(folder)
     if objection:
