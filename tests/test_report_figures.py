@@ -11,7 +11,7 @@ from microfacet._report.families import materials, sampling
 
 @pytest.mark.parametrize("degrees", [0.0, 75.0, 95.0])
 def test_the_density_of_visible_slopes_is_that_of_their_distribution_function(degrees: float) -> None:
-    ndf, w = mf.StudentT(alpha=0.5, gamma=2.2), sampling._towards(degrees)
+    ndf, w = mf.StudentT(alpha=0.5, gamma=2.2), sampling.towards(degrees)
     p = np.linspace(-3.0, 1.0, 4001)
     density = sampling.visible_slope_density(ndf, w, p)
     grown = np.diff(mf.testing.visible_slope_cdf(ndf, w, p))

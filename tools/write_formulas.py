@@ -1,4 +1,4 @@
-"""Write the formulas of src/microfacet/_report/formulas.toml into the families' pages (`make docs-formulas`)."""
+"""Write the formulas of `_report/formulas.toml` into the pages of the families (`make docs-formulas`)."""
 
 from __future__ import annotations
 

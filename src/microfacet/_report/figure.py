@@ -16,7 +16,18 @@ from matplotlib.figure import Figure
 
 from microfacet.plot import COLORS, DASHES
 
-__all__ = ["GRID", "INK", "REFERENCE", "SERIES", "FigureBlock", "inline_svg", "name_panel", "panel", "style"]
+__all__ = [
+    "GRID",
+    "INK",
+    "REFERENCE",
+    "SERIES",
+    "FigureBlock",
+    "inline_svg",
+    "name_panel",
+    "panel",
+    "style",
+    "thousands",
+]
 
 # Drawn in colours that occur nowhere else, then replaced: text and axes follow the page, curves follow
 # custom properties of the style sheet that have a value for light and one for dark.
@@ -99,6 +110,11 @@ def panel(name: str, description: str, draw: Callable[[Axes], Any], legend: Any 
 def name_panel(figure: Figure, name: str) -> None:
     """Write a panel's name in its upper corner: side by side or stacked, a caption can refer to it."""
     figure.text(0.01, 0.98, name, va="top")
+
+
+def thousands(n: int) -> str:
+    """A count with a narrow space between its thousands."""
+    return f"{n:,}".replace(",", "\u202f")
 
 
 def inline_svg(figure: Figure, name: str, label: str) -> str:

@@ -14,7 +14,7 @@ import microfacet as mf
 from microfacet import plot
 from microfacet._checks import delta_integral
 from microfacet._report.families.parameters import Example
-from microfacet._report.figure import INK, REFERENCE, SERIES, FigureBlock, inline_svg, panel
+from microfacet._report.figure import INK, REFERENCE, SERIES, FigureBlock, inline_svg, panel, thousands
 
 __all__ = ["family_figures", "two_routes"]
 
@@ -172,8 +172,8 @@ def _samples(family: Any, example: Example) -> FigureBlock:
                 f"{family.title}: histogram of sampled cosines under their density",
             ),
         ),
-        f"The cosine $u$ of {n:,} sampled normals ({plot.label(ndf.parameters)}) under the density they must "
-        "follow, $2\\pi u\\,D(u)$.".replace(",000", "\u202f000"),
+        f"The cosine $u$ of {thousands(n)} sampled normals ({plot.label(ndf.parameters)}) under the density "
+        "they must follow, $2\\pi u\\,D(u)$.",
     )
 
 

@@ -14,6 +14,7 @@ from scipy.stats import qmc
 import microfacet as mf
 from microfacet import plot
 from microfacet._report.families.parameters import Example
+from microfacet._report.families.sampling import towards
 from microfacet._report.figure import SERIES, FigureBlock, inline_svg, name_panel, panel
 
 __all__ = ["furnace_picture", "material_figures", "shares_of_orders", "single_albedo"]
@@ -37,17 +38,12 @@ def material_figures(family: Any, example: Example) -> Iterator[FigureBlock]:
     yield _furnace(family, example)
 
 
-def _towards(degrees: Any) -> Array:
-    angle = np.radians(degrees)
-    return np.stack(np.broadcast_arrays(np.sin(angle), 0.0 * angle, np.cos(angle)), axis=-1)
-
-
 def _lobes(family: Any, ndf: Any) -> FigureBlock:
     angles = np.arange(-89.0, 90.0, 2.0)
     one, every = mf.Conductor(ndf), mf.Conductor(ndf, scattering="multiple")
     drawn = [
-        [one.eval(_towards(-degrees), _towards(angles)) for degrees in INCIDENCES],
-        [every.eval(_towards(-degrees), _towards(angles), n=_LOBE_WALKS, rng=1) for degrees in INCIDENCES],
+        [one.eval(towards(-degrees), towards(angles)) for degrees in INCIDENCES],
+        [every.eval(towards(-degrees), towards(angles), n=_LOBE_WALKS, rng=1) for degrees in INCIDENCES],
     ]
     decades = np.log10(max(float(lobe.max()) for lobes in drawn for lobe in lobes) / _FLOOR)
 
@@ -83,14 +79,14 @@ def _lobes(family: Any, ndf: Any) -> FigureBlock:
 
 def single_albedo(ndf: Any, degrees: float, points: Array) -> float:
     """What one order of scattering of a white metal sends out."""
-    weight = mf.Conductor(ndf).sample(_towards(degrees), points[:, : ndf.visible_dims])[1]
+    weight = mf.Conductor(ndf).sample(towards(degrees), points[:, : ndf.visible_dims])[1]
     return float(np.mean(weight))
 
 
 def shares_of_orders(ndf: Any, degrees: float) -> Array:
     """Of the light that leaves a white metal, the part that met one facet, two, three, and more."""
     metal = mf.Conductor(ndf, scattering="multiple")
-    _, _, facets = metal.walk(np.broadcast_to(_towards(degrees), (_SHARE_WALKS, 3)), rng=1)
+    _, _, facets = metal.walk(np.broadcast_to(towards(degrees), (_SHARE_WALKS, 3)), rng=1)
     return np.bincount(np.minimum(facets, 4), minlength=5)[1:] / _SHARE_WALKS
 
 

@@ -15,9 +15,9 @@ from scipy.stats import qmc
 import microfacet as mf
 from microfacet import plot
 from microfacet._report.families.parameters import Example
-from microfacet._report.figure import REFERENCE, SERIES, FigureBlock, inline_svg, name_panel, panel
+from microfacet._report.figure import REFERENCE, SERIES, FigureBlock, inline_svg, name_panel, panel, thousands
 
-__all__ = ["ROUGHNESSES", "conductor_noise", "sampling_figures", "visible_slope_density"]
+__all__ = ["ROUGHNESSES", "conductor_noise", "sampling_figures", "towards", "visible_slope_density"]
 
 Array = NDArray[np.float64]
 
@@ -39,8 +39,10 @@ def sampling_figures(family: Any, example: Example) -> Iterator[FigureBlock]:
     yield _noise(family, example.curves)
 
 
-def _towards(degrees: float) -> Array:
-    return np.array([np.sin(np.radians(degrees)), 0.0, np.sin(np.radians(90.0 - degrees))])
+def towards(degrees: Any) -> Array:
+    """Directions at these angles from the macronormal, in the plane of x: exactly horizontal at 90."""
+    parts = np.sin(np.radians(degrees)), 0.0, np.sin(np.radians(90.0 - degrees))
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
 
 def _uniforms(ndf: Any, n: int, seed: int = 1) -> Array:
@@ -56,7 +58,7 @@ def _slopes(family: Any, ndf: Any) -> FigureBlock:
     reach = 4.0 * plot.short_parameters(ndf.parameters)["alpha"]
     drawn = []
     for degrees in INCIDENCES:
-        m = np.asarray(ndf.sample_visible(_towards(degrees), _uniforms(ndf, _SLOPES)))
+        m = np.asarray(ndf.sample_visible(towards(degrees), _uniforms(ndf, _SLOPES)))
         counts, edges = np.histogram(-m[:, 0] / m[:, 2], bins=90, range=(-reach, 0.6 * reach))
         drawn.append((degrees, counts / (_SLOPES * np.diff(edges)), edges))
 
@@ -64,7 +66,7 @@ def _slopes(family: Any, ndf: Any) -> FigureBlock:
         for (degrees, heights, edges), (color, _) in zip(drawn, SERIES, strict=False):
             ax.stairs(heights, edges, fill=True, color=color, alpha=0.25, baseline=1e-12 if log else 0.0)
             p = np.linspace(edges[0], edges[-1], 202)  # even: p = 0 may be singular
-            density = visible_slope_density(ndf, _towards(degrees), p)
+            density = visible_slope_density(ndf, towards(degrees), p)
             ax.plot(p, density, color=color, label=f"{degrees:g}°")
         ax.set(xlabel="slope $p$ in the plane of incidence", ylabel="density", xlim=(edges[0], edges[-1]))
         top = max(float(heights.max()) for _, heights, _ in drawn)
@@ -80,7 +82,7 @@ def _slopes(family: Any, ndf: Any) -> FigureBlock:
             panel(f"{name}-vs", words, lambda ax: draw(ax, False), "upper right"),
             panel(f"{name}-vsl", f"{words}, logarithmic", lambda ax: draw(ax, True), "lower center"),
         ),
-        f"Slopes of {_count(_SLOPES)} sampled normals seen from three directions, by their angle from the "
+        f"Slopes of {thousands(_SLOPES)} sampled normals seen from three directions, by their angle from the "
         f"macronormal ({plot.label(ndf.parameters)}), under the density they must follow, "
         "$(u-sp)^+P_2(p)/\\sigma(u)$. Facets that lean towards the viewer have $p<0$; from below the horizon "
         "(95°) no others are seen.",
@@ -98,7 +100,7 @@ def _disc() -> tuple[Array, NDArray[np.bool_], float]:
 
 
 def _picture(family: Any, ndf: Any) -> FigureBlock:
-    w = _towards(GRAZING)
+    w = towards(GRAZING)
     centres, inside, area = _disc()
     m = np.asarray(ndf.sample_visible(w, _uniforms(ndf, _NORMALS)))
     scale = 1.0 / np.sqrt(1.0 + m[:, 2])
@@ -133,14 +135,14 @@ def _picture(family: Any, ndf: Any) -> FigureBlock:
             image(f"{family.name}-vd", exact, "exact density"),
         ),
         f"The hemisphere of normals from above, in equal areas, seen from $+x$ at {GRAZING:g}° "
-        f"({plot.label(ndf.parameters)}): the histogram of {_count(_NORMALS)} sampled normals, counted in "
+        f"({plot.label(ndf.parameters)}): the histogram of {thousands(_NORMALS)} sampled normals, counted in "
         "cells, and the exact density of visible normals, on the same logarithmic scale.",
     )
 
 
 def conductor_noise(ndf: Any, degrees: float, visible: bool, points: Array) -> tuple[float, float]:
     """Mean and standard deviation of the light that one sample of a metal reflects under a white sky."""
-    w = _towards(degrees)
+    w = towards(degrees)
     drawn = ndf.sample_visible(w, points[:, : ndf.visible_dims]) if visible else ndf.sample(points[:, :2])
     m = np.asarray(drawn)
     cosine = m @ w
@@ -198,7 +200,3 @@ def _noise(family: Any, ndf: Any) -> FigureBlock:
         "$F\\,G_2/G_1\\le 1$ (solid), and by all normals (dashed). The ratio of the variances says "
         f"how many times as many samples all normals take; at {GRAZING:g}° it is {last}.",
     )
-
-
-def _count(n: int) -> str:
-    return f"{n:,}".replace(",", "\u202f")

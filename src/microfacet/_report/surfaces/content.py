@@ -12,8 +12,8 @@ import numpy as np
 import microfacet as mf
 from microfacet._fit.result import FitResult, remarks
 from microfacet._report import Progress
-from microfacet._report.figure import FigureBlock
-from microfacet._report.surfaces import figures, lobes
+from microfacet._report.figure import FigureBlock, thousands
+from microfacet._report.surfaces import figures
 from microfacet._report.surfaces.relief import length, relief_map
 
 __all__ = ["Content", "MeasuredSurface", "collect", "measured_surface"]
@@ -70,7 +70,7 @@ def measured_surface(
     slopes = measured.slopes() if isinstance(measured, mf.Surface) else measured.values
     centred = slopes - np.asarray(results[0].mean_slope)
     blocks = []
-    for done, block in enumerate(figures.slope_figures(centred, results, _titles())):
+    for done, block in enumerate(figures.slope_figures(centred, results)):
         progress("figures", done, 5)
         blocks.append(block)
     return MeasuredSurface(
@@ -86,21 +86,16 @@ def measured_surface(
 
 def collect(fitted: Any, command: str, progress: Progress) -> Content:
     """Tables and figures of the page of one fit."""
-    titles = _titles()
     return Content(
         measured=measured_surface(fitted.measured, fitted.results, progress),
         command=command,
         warnings=fitted.scales.notes if fitted.scales else (),
-        scales=figures.scale_figure(fitted.scales, titles) if fitted.scales else None,
+        scales=figures.scale_figure(fitted.scales) if fitted.scales else None,
         predictions=tuple(fitted.predictions),
-        lobes=lobes.lobe_figure(fitted.results, titles),
-        titles={result.family: titles[result.family] for result in fitted.results},
+        lobes=figures.lobe_figure(fitted.results),
+        titles={result.family: figures.look(result.family)["label"] for result in fitted.results},
         roughness=_roughness(fitted.roughness) if fitted.roughness else (),
     )
-
-
-def _titles() -> dict[str, str]:
-    return {family.name: family.title for family in mf.families()}
 
 
 def _row(result: FitResult, first: FitResult) -> Row:
@@ -112,7 +107,7 @@ def _row(result: FitResult, first: FitResult) -> Row:
         for name, value in result.params.items()
     ]
     return Row(
-        _titles()[result.family],
+        figures.look(result.family)["label"],
         result.family,
         tuple(parameters),
         result.held_out - first.held_out,
@@ -126,7 +121,7 @@ def _row(result: FitResult, first: FitResult) -> Row:
 
 
 def _facts(surface: mf.Surface | None, first: FitResult) -> tuple[tuple[str, str], ...]:
-    facts = [("Slopes", f"{first.n:,}".replace(",", "\u202f"))]
+    facts = [("Slopes", thousands(first.n))]
     if surface is not None:
         ny, nx = surface.heights.shape
         dx, dy = surface.pixel_size

@@ -1,12 +1,12 @@
-"""Figures of a fit: histograms with residuals, quantiles, roughness by direction, parameters against
-the lag.
+"""Figures of a fit: histograms with residuals, quantiles, roughness by direction, parameters against the lag,
+and the lobes that a mirror of each family would reflect.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,24 +16,26 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+import microfacet as mf
 from microfacet import plot
 from microfacet._report.figure import INK, REFERENCE, FigureBlock, inline_svg, panel
 from microfacet._report.surfaces.relief import length
 
-__all__ = ["scale_figure", "slope_figures"]
+__all__ = ["lobe_figure", "look", "scale_figure", "slope_figures"]
 
 _BINS = 101
+_INCIDENCES = (30, 75)
 _TALL = (5.4, 5.4)
 
 Vector = NDArray[np.float64]
 
 
-def slope_figures(slopes: Vector, results: Sequence[Any], titles: dict[str, str]) -> Iterator[FigureBlock]:
+def slope_figures(slopes: Vector, results: Sequence[Any]) -> Iterator[FigureBlock]:
     """Histograms along both axes, quantiles of the radius, roughness by direction, one by one."""
     first = next((result.params["rotation"] for result in results if "rotation" in result.params), 0.0)
     panels = []
     for key, azimuth in (("x", first), ("y", first + 0.5 * np.pi)):
-        panels.append(_histogram(f"hist{key}", slopes, results, titles, azimuth))
+        panels.append(_histogram(f"hist{key}", slopes, results, azimuth))
     degrees = np.degrees(first)
     yield FigureBlock(
         "slopes",
@@ -48,7 +50,7 @@ def slope_figures(slopes: Vector, results: Sequence[Any], titles: dict[str, str]
             panel(
                 "qq",
                 "Quantiles of the slope, measured over fitted",
-                partial(_quantiles, results, titles),
+                partial(_quantiles, results),
                 legend=None,
             ),
         ),
@@ -56,7 +58,7 @@ def slope_figures(slopes: Vector, results: Sequence[Any], titles: dict[str, str]
         "that lie beyond. A family whose curve bends down where few do has too heavy a tail, one whose curve "
         "bends up there too light a one.",
     )
-    yield FigureBlock("directions", (_directions(slopes, results, titles),), _DIRECTIONS)
+    yield FigureBlock("directions", (_directions(slopes, results),), _DIRECTIONS)
 
 
 _DIRECTIONS = (
@@ -65,7 +67,7 @@ _DIRECTIONS = (
 )
 
 
-def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
+def scale_figure(scales: Any) -> FigureBlock:
     """Roughness and shape against the lag, for every family."""
     lengths = np.asarray(scales.lengths)
     by_lag = [{result.family: result for result in results} for results in scales.results]
@@ -74,7 +76,7 @@ def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
     def roughness(ax: Axes) -> None:
         for name in names:
             values = [_mean_alpha(fits[name].params) for fits in by_lag]
-            ax.plot(lengths, values, marker="o", markersize=4, **_look(name, titles))
+            ax.plot(lengths, values, marker="o", markersize=4, **look(name))
         if scales.noise_lags:
             reach = lengths[: len(scales.noise_lags)]
             start = _mean_alpha(by_lag[0][names[0]].params)
@@ -87,7 +89,7 @@ def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
             if own:
                 values = [fits[name].params[own[0]] for fits in by_lag]
                 errors = np.nan_to_num([fits[name].standard_errors[own[0]] for fits in by_lag])
-                ax.errorbar(lengths, values, yerr=errors, marker="o", markersize=4, **_look(name, titles))
+                ax.errorbar(lengths, values, yerr=errors, marker="o", markersize=4, **look(name))
         _axes_of_scales(ax, lengths, r"$\gamma$, $a$")
 
     panels = [panel("scalea", "Roughness of each family against the lag", roughness)]
@@ -98,6 +100,35 @@ def scale_figure(scales: Any, titles: dict[str, str]) -> FigureBlock:
         tuple(panels),
         "Roughness and shape against the lag over which slopes are taken. Roughness has no value without it; "
         "where it falls as 1/lag, it is that of noise.",
+    )
+
+
+def lobe_figure(results: Sequence[Any]) -> FigureBlock:
+    """f |cos| in the plane of incidence, of every family at two angles."""
+
+    def draw(degrees: int, ax: Axes) -> None:
+        theta = np.radians(np.linspace(-89.5, 89.5, 359))
+        wo = np.stack((np.sin(theta), np.zeros_like(theta), np.cos(theta)), axis=-1)
+        incidence = np.radians(degrees)
+        wi = np.array([-np.sin(incidence), 0.0, np.cos(incidence)])
+        peak = 0.0
+        for result in results:
+            lobe = mf.Conductor(result.ndf).eval(wi, wo)
+            peak = max(peak, float(np.median(np.sort(lobe)[-20:])))
+            ax.plot(np.degrees(theta), lobe, **look(result.family))
+        ax.axvline(degrees, **REFERENCE)
+        ax.set(yscale="log", ylim=(1e-5 * peak, 4 * peak), xlim=(-90, 90), xticks=range(-90, 91, 30))
+        ax.set(xlabel="direction out, degrees", ylabel=r"$f\,|\cos\theta_o|$")
+
+    return FigureBlock(
+        "lobes",
+        tuple(
+            panel(f"lobe{degrees}", f"Reflected lobes at {degrees} degrees", partial(draw, degrees))
+            for degrees in _INCIDENCES
+        ),
+        f"What the surface would reflect if it were a perfect mirror, along x, of light from "
+        f"{_INCIDENCES[0]}° and {_INCIDENCES[1]}° (its mirror image is the thin line): single scattering "
+        "with correlated masking. Where the curves part, the choice of the family is seen.",
     )
 
 
@@ -113,9 +144,7 @@ def _axes_of_scales(ax: Axes, lengths: Vector, label: str) -> None:
     ax.yaxis.set_minor_locator(NullLocator())
 
 
-def _histogram(
-    name: str, slopes: Vector, results: Sequence[Any], titles: dict[str, str], azimuth: float
-) -> str:
+def _histogram(name: str, slopes: Vector, results: Sequence[Any], azimuth: float) -> str:
     along = slopes @ np.array([np.cos(azimuth), np.sin(azimuth)])
     extent = float(np.quantile(np.abs(along), 0.9995))
     counts, edges = np.histogram(along, bins=_BINS, range=(-extent, extent))
@@ -123,7 +152,7 @@ def _histogram(
     figure = Figure(figsize=_TALL)
     top, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1.3))
     figure.subplots_adjust(hspace=0.06, bottom=0.12)
-    fitted = {titles[result.family]: result.ndf for result in results}
+    fitted = {look(result.family)["label"]: result.ndf for result in results}
     plot.slope_histogram(slopes, fitted, top, azimuth=azimuth, log=True, bins=_BINS)
     top.set(xlabel="")
     top.legend(loc="lower center", ncols=2)
@@ -133,8 +162,7 @@ def _histogram(
         expected = np.diff(cdf) * along.size
         seen = counts > 0
         ratio = counts[seen] / np.maximum(expected[seen], 1e-300)
-        look = _look(result.family, titles)
-        below.plot(middles[seen], ratio, linewidth=1.2, color=look["color"], linestyle=look["linestyle"])
+        below.plot(middles[seen], ratio, **look(result.family) | {"linewidth": 1.2})
         if result is results[0]:
             width = 2 / np.sqrt(np.maximum(expected * share, 1e-300))
             below.fill_between(middles, np.exp(-width), np.exp(width), color=INK, alpha=0.12, linewidth=0)
@@ -148,14 +176,14 @@ def _histogram(
     )
 
 
-def _quantiles(results: Sequence[Any], titles: dict[str, str], ax: Axes) -> None:
+def _quantiles(results: Sequence[Any], ax: Axes) -> None:
     for result in results:
         goodness = result.goodness
         beyond = 1 - np.asarray(goodness.probabilities)
         ax.plot(
             beyond,
             np.asarray(goodness.observed) / np.asarray(goodness.expected),
-            **_look(result.family, titles),
+            **look(result.family),
         )
     ax.axhline(1.0, **REFERENCE)
     ax.set(xscale="log", yscale="log", xlabel="share of slopes beyond", ylabel="measured / fitted quantile")
@@ -166,7 +194,7 @@ def _quantiles(results: Sequence[Any], titles: dict[str, str], ax: Axes) -> None
     ax.legend(loc="upper center", ncols=3)
 
 
-def _directions(slopes: Vector, results: Sequence[Any], titles: dict[str, str]) -> str:
+def _directions(slopes: Vector, results: Sequence[Any]) -> str:
     figure = Figure(figsize=_TALL)
     ax: Any = figure.add_subplot(projection="polar")
     every = slopes[:: max(1, len(slopes) // 100_000)]
@@ -177,7 +205,7 @@ def _directions(slopes: Vector, results: Sequence[Any], titles: dict[str, str]) 
     angles = np.linspace(0, np.pi, 61)
     for result in results:
         widths = [_median_slope(result.ndf, angle) for angle in angles]
-        ax.plot(np.concatenate((angles, angles + np.pi)), widths * 2, **_look(result.family, titles))
+        ax.plot(np.concatenate((angles, angles + np.pi)), widths * 2, **look(result.family))
     ax.set_rlabel_position(0)
     ax.yaxis.set_major_locator(MaxNLocator(4))
     ax.tick_params(labelsize=11)
@@ -200,5 +228,8 @@ def _mean_alpha(params: dict[str, float]) -> float:
     return params["alpha"] if "alpha" in params else math.sqrt(params["alpha_x"] * params["alpha_y"])
 
 
-def _look(name: str, titles: dict[str, str]) -> dict[str, Any]:
+@cache
+def look(name: str) -> dict[str, Any]:
+    """How a family is drawn, and its title."""
+    titles = {family.name: family.title for family in mf.families()}
     return {"label": titles[name], "color": plot.COLORS[name], "linestyle": plot.DASHES[name]}
