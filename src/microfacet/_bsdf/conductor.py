@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._arrays import lifted, numbered
+from microfacet._arrays import lifted
 from microfacet._bsdf.arguments import (
     Array,
     directions_of,
@@ -16,8 +16,6 @@ from microfacet._bsdf.arguments import (
     in_one_type,
     lit,
     number,
-    seed_of,
-    uniforms_of,
     xyz,
 )
 from microfacet._bsdf.material import Material
@@ -157,25 +155,6 @@ class Conductor(Material):
         pdf : ndarray, shape (...)
             What `pdf` says.
         """
-        given = directions_of(self, "sample", wi=wi)
-        if self.scattering == "multiple":
-            draw = partial(self._sample_walk, seed_of("Conductor", rng))
-            wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
-            return wo, weight, pdf
-        if bounded:
+        if bounded and self.scattering == "single":
             self.ndf._require_bounded("Conductor.sample")
-        wo, weight, pdf = lifted(
-            partial(self._sample, bounded),
-            *given,
-            uniforms_of(self, "sample", xi, self.sample_dims),
-            results=("w", "", ""),
-        )
-        return wo, weight, pdf
-
-    def _sample(self, bounded: bool, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
-        (i,) = in_one_type(wi)
-        values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
-        wo, weight, pdf = self._of("sample", values, [flag(self.correlated), flag(False), flag(bounded)])
-        for _ in self._channels:  # which share their directions
-            wo, pdf = wo[..., 0, :], pdf[..., 0]
-        return wo, weight, pdf
+        return self._drawn(wi, xi, rng, bounded)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._arrays import lifted, numbered
+from microfacet._arrays import lifted
 from microfacet._bsdf.arguments import (
     Array,
     directions_of,
     flag,
     in_one_type,
     number,
-    seed_of,
-    uniforms_of,
     xyz,
 )
 from microfacet._bsdf.material import Material
@@ -139,21 +136,4 @@ class Dielectric(Material):
 
         The last of the uniform numbers chooses between reflection and transmission.
         """
-        given = directions_of(self, "sample", wi=wi)
-        if self.scattering == "multiple":
-            draw = partial(self._sample_walk, seed_of("Dielectric", rng))
-            wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
-            return wo, weight, pdf
-        wo, weight, pdf = lifted(
-            self._sample,
-            *given,
-            uniforms_of(self, "sample", xi, self.sample_dims),
-            results=("w", "", ""),
-        )
-        return wo, weight, pdf
-
-    def _sample(self, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
-        (i,) = in_one_type(wi)
-        values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
-        wo, weight, pdf = self._of("sample", values, [flag(self.correlated), self._radiance, flag(False)])
-        return wo, weight, pdf
+        return self._drawn(wi, xi, rng)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microfacet._arrays import lifted, numbered
-from microfacet._bsdf.arguments import Array, directions_of, lit, number, seed_of
+from microfacet._arrays import lifted
+from microfacet._bsdf.arguments import Array, directions_of, lit, number
 from microfacet._bsdf.material import Material
 from microfacet._frozen import Distribution
 
@@ -89,7 +88,4 @@ class Diffuse(Material):
         """
         if xi is not None:
             raise ValueError("Diffuse.sample: a walk takes rng, not xi")
-        given = directions_of(self, "sample", wi=wi)
-        draw = partial(self._sample_walk, seed_of("Diffuse", rng))
-        wo, weight, pdf = lifted(draw, *given, numbered(*given), results=("w", "", ""))
-        return wo, weight, pdf
+        return self._drawn(wi, None, rng)

@@ -132,7 +132,7 @@ class MaterialKernels(Value):
 
     @property
     def _channels(self) -> tuple[int, ...]:
-        return np.broadcast_shapes(*(constant.shape for constant in self._constants))
+        return np.broadcast(*self._constants).shape
 
     def _keep(self, **state: Any) -> Self:
         object.__setattr__(self, "_calls", {})
@@ -147,7 +147,7 @@ class MaterialKernels(Value):
         call = self._calls.get(key)
         if call is None:
             constants = _WHITE if white else self._constants
-            channels = np.broadcast_shapes(*(constant.shape for constant in constants))
+            channels = np.broadcast(*constants).shape
             call = self._calls[key] = _Call(
                 getattr(self.ndf.kernels, f"{self._name}_{operation}"),
                 channels,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from microfacet._arrays import lifted, numbered
 from microfacet._bsdf.albedo import albedo as albedo_of
 from microfacet._bsdf.albedo import average_albedo as average_albedo_of
-from microfacet._bsdf.arguments import Array, directions_of, flag, in_one_type, seed_of, xyz
+from microfacet._bsdf.arguments import Array, directions_of, flag, in_one_type, seed_of, uniforms_of, xyz
 from microfacet._bsdf.kernels import NO_ORDER, WALK, MaterialKernels
 
 __all__ = ["Material"]
@@ -99,6 +100,27 @@ class Material(MaterialKernels):
         walk = partial(self._walk, seed_of(type(self).__name__, rng))
         wo, weight, facets = lifted(walk, *given, numbered(*given), results=("w", "", ""))
         return wo, weight, facets
+
+    def _drawn(
+        self, wi: ArrayLike, xi: ArrayLike | None, rng: Any, bounded: bool = False
+    ) -> tuple[Any, Any, Any]:
+        """What `sample` returns: directions, weights and densities, in closed form or by walks."""
+        (given,) = directions_of(self, "sample", wi=wi)
+        draw: Callable[..., Any]
+        if self.scattering == "single" and self._closed:
+            draw, numbers = partial(self._sample, bounded), uniforms_of(self, "sample", xi, self.sample_dims)
+        else:
+            draw, numbers = partial(self._sample_walk, seed_of(type(self).__name__, rng)), numbered(given)
+        wo, weight, pdf = lifted(draw, given, numbers, results=("w", "", ""))
+        return wo, weight, pdf
+
+    def _sample(self, bounded: bool, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
+        (i,) = in_one_type(wi)
+        values = [*xyz(i), *self._of_facet_and_choice(xi, i.dtype)]
+        wo, weight, pdf = self._of("sample", values, [flag(self.correlated), self._radiance, flag(bounded)])
+        for _ in self._channels:  # which share their directions
+            wo, pdf = wo[..., 0, :], pdf[..., 0]
+        return wo, weight, pdf
 
     def _sample_walk(self, seed: Array, wi: Array, elements: Array) -> tuple[Any, Any, Any]:
         """Samples by walks, of which one order alone may count."""
