@@ -11,7 +11,7 @@ __all__ = ["constructor"]
 
 
 def constructor(init: Callable[..., None]) -> Callable[..., None]:
-    """An `__init__` whose TypeError for wrong arguments is about the class of the object.
+    """Wrap `__init__` so that the TypeError for wrong arguments names the class of the object.
 
     Python would name the function, which a family inherits from a class that no user has heard of.
     """

@@ -90,7 +90,7 @@ def _rebuild(cls: type[Distribution], values: tuple[float, ...]) -> Distribution
 
 
 class StretchedDistribution(Distribution):
-    """A shape-invariant family: alpha_x and alpha_y along axes turned by `rotation`."""
+    """A shape-invariant family: alpha_x and alpha_y along axes rotated by `rotation`."""
 
     __slots__ = ()
 
@@ -101,7 +101,7 @@ class StretchedDistribution(Distribution):
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
         x, y, rotation, *shape = self._values
         isotropic = getattr(self.kernels, f"isotropic_{quantity}", None)
-        # A turn that changes no density changes where a sample lies.
+        # A rotation that changes no density still changes samples.
         if isotropic is not None and x == y and (rotation == 0.0 or quantity != "sample"):
             return isotropic, (x, *shape)
         return getattr(self.kernels, f"stretched_{quantity}"), self._values

@@ -93,7 +93,7 @@ class _Density:
             first -= 1
         while last + 1 < len(x) and usable[last + 1]:
             last += 1
-        # What is no number matters unless the density has ended there.
+        # A value that is not finite is an error, unless the density has ended there.
         matters = ~np.isfinite(values) & (np.abs(np.arange(len(x)) - peak) <= 1)
         for edge, beyond in ((first, first - 1), (last, last + 1)):
             if 0 <= beyond < len(x) and mass[edge] > mass[peak] - 40.0:
@@ -150,7 +150,7 @@ class RadialNDF(StretchedDistribution):
         increasing r > 0, which a monotone cubic joins in log-log and power laws continue. It may be
         integrably singular at 0 and have any integrable tail.
     survival : callable or (r, values), optional
-        Probability of a slope above r, if you know it better than an integral of P22 tells it.
+        Probability of a slope above r, if you know it more accurately than an integral of P22 gives it.
     alpha : float
         Isotropic roughness, in (1e-101, 1e101), by default 1; or give both of
     alpha_x, alpha_y : float
@@ -169,7 +169,7 @@ class RadialNDF(StretchedDistribution):
     Raises
     ------
     ValueError
-        If P22 is negative, not finite or not integrable, or returns something else than an array of the shape
+        If P22 is negative, not finite or not integrable, or returns anything but an array of the shape
         of its argument. What P22 itself raises comes through.
 
     Notes

@@ -9,7 +9,7 @@ import numpy as np
 
 __all__ = ["Value"]
 
-_HASHED = 64  # numbers of an array: what compares equal has equal hashes, and a height map is long
+_HASHED = 64  # numbers of an array that its hash depends on: a height map has millions
 
 
 def _same(a: Any, b: Any) -> bool:

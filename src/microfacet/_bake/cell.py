@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._bake.recipe import Recipe
-from microfacet._bsdf.quadrature import leaving
+from microfacet._bsdf.quadrature import escaped
 
 __all__ = ["compute"]
 
@@ -30,7 +30,7 @@ def _directions(cosine: Array) -> Array:
 
 def _albedo(recipe: Recipe, cell: int) -> dict[str, Array]:
     wi = _directions(np.array(recipe.cos_theta))
-    once = leaving(recipe.optics(cell, "single"), wi)
+    once = escaped(recipe.optics(cell, "single"), wi)
     walks = {"n": recipe.walks, "rng": _seed(recipe, cell), "with_error": True}
     material = recipe.optics(cell, "multiple")
     if recipe.material == "conductor":

@@ -1,4 +1,4 @@
-"""Parts of the light that leave: of one order by quadrature, of all by random walks."""
+"""Albedos: of one order of scattering by quadrature, of all orders by random walks."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from microfacet._arrays import lifted, numbered
 from microfacet._bsdf.arguments import directions_of
 from microfacet._bsdf.kernels import WALK, MaterialKernels
-from microfacet._bsdf.quadrature import leaving
+from microfacet._bsdf.quadrature import escaped
 
 __all__ = ["albedo", "average_albedo"]
 
 Array = NDArray[np.float64]
 
 PARTS = ("all", "reflected", "transmitted")
-_WALKS = 1 << 18  # at a time
+_WALKS = 1 << 18  # computed at a time
 
 
 def albedo(
@@ -38,7 +38,7 @@ def albedo(
 def _albedo(
     material: MaterialKernels, walks: int, seed: Array, part: str, wi: Array, *numbers: Array
 ) -> tuple[Any, Any]:
-    """Values and errors of NumPy arrays; of walks also by the number of each direction."""
+    """Values and errors for NumPy arrays; walks also take the number of each direction."""
     directions = material._units(wi.astype(np.float64))[0].reshape(-1, 3)
     if walks == 0:
         value, error = _by_quadrature(material, directions, part)
@@ -90,7 +90,7 @@ def _by_quadrature(material: MaterialKernels, wi: Array, part: str) -> tuple[Arr
     if material._transmits and float(material._constants[0]) == 1.0:  # no surface: all goes straight on
         value[seen] = float(part != "reflected")
         return value, error
-    found = leaving(material, wi[seen])
+    found = escaped(material, wi[seen])
     passed = found.passed * _scale(material, wi[seen, 2])[:, np.newaxis]
     value[seen] = {"all": found.reflected + passed, "reflected": found.reflected, "transmitted": passed}[part]
     error[seen] = found.error
@@ -98,7 +98,7 @@ def _by_quadrature(material: MaterialKernels, wi: Array, part: str) -> tuple[Arr
 
 
 def _scale(material: MaterialKernels, cosine: Array) -> Array:
-    """Of radiance that passes, by the relative index of refraction."""
+    """The factor of radiance that is transmitted: the square of the relative index of refraction."""
     if not material._radiance:
         return np.ones(cosine.shape)
     eta = float(material._constants[0])
@@ -156,7 +156,7 @@ def _average_by_walks(
 
 
 def _weights(material: MaterialKernels, wi: Array, seed: Array, elements: Array, part: str) -> Array:
-    """What walks leave of the light, (..., channels), as far as it goes to the wanted side."""
+    """Weights of walks, (..., channels); 0 where light leaves on another side than the wanted one."""
     parts = [wi[..., 0], wi[..., 1], wi[..., 2]]
     wo, weight, facets = material._of("walk", parts, [elements, seed, material._radiance], WALK)
     if part != "all":
@@ -178,7 +178,7 @@ def _hemisphere(material: MaterialKernels, nodes: int, up: float) -> tuple[Array
     """Directions and weights of cos/pi over a hemisphere; only a half circle, and that only with stretch."""
     x, weights = np.polynomial.legendre.leggauss(nodes)
     x, weights = (x + 1) / 2, weights / 2
-    cosine, weights = x**3, weights * 6 * x**5  # 2 c dc, and what happens near the horizon drawn out
+    cosine, weights = x**3, weights * 6 * x**5  # 2 c dc, with more nodes near the horizon
     stretched = "alpha_x" in material.ndf._names and material.ndf._values[0] != material.ndf._values[1]
     count = nodes // 2 + 2 if stretched else 1
     azimuth = np.arange(count) * np.pi / count

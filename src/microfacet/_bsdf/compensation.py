@@ -1,4 +1,4 @@
-"""What renderers add to single scattering in place of the walk, so that no energy is missing.
+"""What renderers add to single scattering, in place of the walk, so that no energy is lost.
 
 Both lobes need only the albedo E of a white metal, a function of one angle. docs/compensation.md measures
 them against the walk.
@@ -53,7 +53,7 @@ class _Energy(Value):
     @classmethod
     @lru_cache(maxsize=64)
     def of(cls, ndf: Distribution) -> _Energy:
-        """By quadrature."""
+        """Integrate it."""
         cosine = ((np.arange(_NODES) + 0.5) / _NODES) ** 3
         cosine[-1] = 1.0
         wi = np.stack((np.sqrt(1 - cosine**2), np.zeros(_NODES), cosine), -1)
@@ -62,7 +62,7 @@ class _Energy(Value):
 
     @classmethod
     def from_table(cls, owner: str, ndf: Distribution, table: Any) -> _Energy:
-        """Between the entries of a table of `microfacet.bake`."""
+        """Interpolate it in a table of `microfacet.bake`."""
         if table.attrs.get("kind") != "energy" or table.attrs.get("material") != "conductor":
             raise ValueError(f'{owner}: table must come from bake("energy", ...) of a white conductor')
         if table.attrs["family"] != ndf.family:
@@ -91,7 +91,7 @@ def _parameters(ndf: Distribution) -> dict[str, float]:
 
 
 class _Compensated(Value):
-    """A metal with single scattering and what is added to it."""
+    """A metal with single scattering, to which a subclass adds the lost energy."""
 
     __slots__ = ("_energy", "material")
 
@@ -136,11 +136,11 @@ class _Compensated(Value):
         return self.material.sample_dims
 
     def _behind(self, values: Array) -> Array:
-        """With axes for the channels of the metal."""
+        """Append axes for the channels of the metal."""
         return values[(..., *(np.newaxis,) * len(self.material._channels))]
 
     def _cosines(self, *directions: Array) -> list[Array]:
-        """Of unit directions, with axes for the channels."""
+        """Cosines of the directions, normalised, with axes for the channels."""
         return [self._behind(w[..., 2].astype(np.float64)) for w in self.material._units(*directions)]
 
     def _eval(self, wi: Array, wo: Array) -> Any:
@@ -179,7 +179,7 @@ class KullaConty(_Compensated):
     -----
     Reciprocal. A white metal reflects all light; of a coloured one the colour is an estimate. The lobe knows
     no direction: see docs/compensation.md for how far it is from the walk.
-    Directions have any length but 0, as for `Conductor`.
+    Directions may have any length but 0, as for `Conductor`.
 
     References
     ----------
@@ -257,7 +257,7 @@ class Turquin(_Compensated):
     Notes
     -----
     Not reciprocal. A white metal reflects all light, but into the lobe of the first order, where the walk
-    spreads it. Directions have any length but 0, as for `Conductor`.
+    spreads it. Directions may have any length but 0, as for `Conductor`.
 
     References
     ----------

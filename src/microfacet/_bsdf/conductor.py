@@ -31,8 +31,8 @@ class Conductor(Material):
 
     .. math:: f\,|\cos\theta_o| = \frac{F(\omega_i\cdot m)\, D(m)\, G_2(\omega_i, \omega_o)}{4\cos\theta_i}
 
-    What a facet sends back to the surface is lost then, up to more than half of the light. Of all orders it
-    goes on as a random walk, until it leaves.
+    Light that a facet sends back to the surface is then lost, which can be more than half of it. With all
+    orders it goes on as a random walk until it leaves.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ class Conductor(Material):
 
     Notes
     -----
-    Directions have any length but 0: methods normalise them, and leave alone what is of length 1 to rounding.
-    Results are nan along 0 and along what is no number.
+    Directions may have any length but 0: methods normalise them, unless their length is 1 up to rounding.
+    Results are nan for directions of length 0 and for those that are not finite.
 
     K0 and Bessel K with a <= 1 are infinite at the macroscopic normal: `eval` and `pdf` are inf in the mirror
     direction then. No drawn direction is one of these, and weights are numbers always.
@@ -117,9 +117,9 @@ class Conductor(Material):
         """Density per steradian of the directions that `sample` draws, D_visible(m)/(4 wi . m).
 
         It is normalised over the whole sphere: facets also mirror into the surface, where `eval` is 0 and
-        samples have no weight. With multiple scattering `sample` draws by walks, whose density nobody knows;
-        then this is 3/4 of that density and 1/4 of that of a diffuse surface, a proposal for multiple
-        importance sampling.
+        samples have no weight. With multiple scattering `sample` draws by walks, whose density is unknown;
+        then this is 3/4 of the density of one order and 1/4 of that of a diffuse surface, a proposal for
+        multiple importance sampling.
         """
         return lifted(partial(self._pdf, bounded=bounded), *directions_of(self, "pdf", wi=wi, wo=wo))
 

@@ -52,8 +52,8 @@ class Dielectric(Material):
 
     Notes
     -----
-    Directions have any length but 0: methods normalise them, and leave alone what is of length 1 to rounding.
-    Results are nan along 0 and along what is no number.
+    Directions may have any length but 0: methods normalise them, unless their length is 1 up to rounding.
+    Results are nan for directions of length 0 and for those that are not finite.
 
     K0 and Bessel K with a <= 1 are infinite at the macroscopic normal: `eval` and `pdf` are inf then in the
     mirror direction, and in the direction that a flat surface refracts to. No drawn direction is one of

@@ -39,8 +39,8 @@ class Diffuse(Material):
 
     Notes
     -----
-    Directions have any length but 0: methods normalise them, and leave alone what is of length 1 to rounding.
-    Results are nan along 0 and along what is no number.
+    Directions may have any length but 0: methods normalise them, unless their length is 1 up to rounding.
+    Results are nan for directions of length 0 and for those that are not finite.
 
     References
     ----------
@@ -82,9 +82,9 @@ class Diffuse(Material):
         return lit(i, o)[()] * i.dtype.type(1 / np.pi)
 
     def sample(self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None) -> tuple[Any, Any, Any]:
-        """Directions out of walks for `wi`, what is left of the light, and the density that `pdf` says.
+        """Directions drawn by walks from `wi`, their weights, and the densities that `pdf` gives.
 
-        With single scattering, light that met a second facet has no weight.
+        With single scattering, light that meets a second facet has weight 0.
         """
         if xi is not None:
             raise ValueError("Diffuse.sample: a walk takes rng, not xi")

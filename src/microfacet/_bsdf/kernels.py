@@ -84,7 +84,7 @@ class MaterialKernels(Value):
     ndf: Distribution
     scattering: str
     _constants: tuple[Array, ...]  # of the material, as the kernels take them
-    _calls: dict[tuple[str, np.dtype[Any], bool], _Call]  # those that were made
+    _calls: dict[tuple[str, np.dtype[Any], bool], _Call]  # made at their first use
     _name: str
     _transmits = False
     _closed = True  # whether scattering of one order has a closed form
@@ -114,7 +114,7 @@ class MaterialKernels(Value):
 
     @property
     def _radiance(self) -> Array:
-        """1 where light that passes is scaled as radiance is."""
+        """1 where transmitted light is scaled as radiance, else 0."""
         return flag(False)
 
     @property
@@ -123,7 +123,7 @@ class MaterialKernels(Value):
         return self.ndf.visible_dims + (1 if self._transmits else 0)
 
     def _units(self, *directions: Array) -> list[Array]:
-        """Of unit length, as the kernels make all directions: where Python itself looks at cosines."""
+        """Normalise directions as the kernels do, for cosines that Python itself needs."""
         found = []
         for w in in_one_type(*directions):
             found.append(np.empty(w.shape, w.dtype))
@@ -183,9 +183,9 @@ class MaterialKernels(Value):
         return outs[0][()] if len(outs) == 1 else tuple([out[()] for out in outs])
 
     def _walk_sample(self, seed: Array, wi: Array, elements: Array) -> tuple[Array, Any, Array]:
-        """Directions out, their weights, and how many facets light met."""
+        """Walks: directions out, their weights, and the number of facets that light met."""
         wo, weight, order = self._of("walk", xyz(wi), [elements, seed, self._radiance], WALK)
-        # Of the channels, which share a walk, the one that went farthest has its end.
+        # Channels share a walk; its end is that of the channel that was followed farthest.
         for _ in self._channels:
             last = np.expand_dims(np.argmax(order, axis=-1), -1)
             order = np.take_along_axis(order, last, axis=-1)[..., 0]
@@ -193,7 +193,7 @@ class MaterialKernels(Value):
         return wo, weight, np.asarray(order).astype(np.int64)
 
     def _of_facet_and_choice(self, xi: Array, dtype: Any) -> list[Array]:
-        """The four uniform numbers of kernels, which do not look at more than they need."""
+        """The four uniform numbers that kernels take: up to three for the facet, and one for the lobe."""
         given = narrowed(xi, dtype)
         parts = [given[..., k] for k in range(given.shape[-1])]
         choice = parts.pop() if self._transmits else parts[-1]

@@ -1,4 +1,4 @@
-r"""The plane of slopes, cut where light that facets of these slopes send on changes its kind.
+r"""The plane of slopes in panels, on each of which the light that facets of these slopes scatter is smooth.
 
 In standard space (slopes divided by the roughness) a slope has the polar coordinates r, phi, phi = 0 where
 facets turn away from wi. With t = tan(theta_i), d the real slope of the unit vector of azimuth phi and d_p
@@ -42,7 +42,7 @@ class Panels(NamedTuple):
     weight: Array
 
     def cut(self, first: int, last: int) -> Panels:
-        """Some of them."""
+        """The panels from `first` up to `last`."""
         return Panels(*(values[first:last] for values in self))  # type: ignore[arg-type]
 
 
@@ -117,7 +117,7 @@ def _limits(
 def _corners(
     stretch: _Stretch, azimuth: Array, first: Array, sine: Array, cosine: Array, critical: Array
 ) -> Array:
-    """Angles phi, ascending around the circle, where limits have a corner or a ray meets the cap no more."""
+    """Angles phi, ascending around the circle, where limits have a corner or rays begin to miss the cap."""
     quarter = np.full_like(sine, np.pi / 2)
     if not critical.any():
         return np.stack((-quarter, quarter, 3 * quarter), -1)
@@ -125,8 +125,8 @@ def _corners(
     touching = np.arccos(np.maximum(-np.sqrt(np.maximum(critical**2 - cosine**2, 0.0)) / s, -1.0))
     steep = np.arccos(np.maximum(-critical / s, -1.0))
     real = np.stack((touching, steep, 2 * np.pi - steep, 2 * np.pi - touching), -1)
-    turned = azimuth[:, np.newaxis] + real
-    standard = np.arctan2(np.sin(turned) / stretch.y, np.cos(turned) / stretch.x) - first[:, np.newaxis]
+    rotated = azimuth[:, np.newaxis] + real
+    standard = np.arctan2(np.sin(rotated) / stretch.y, np.cos(rotated) / stretch.x) - first[:, np.newaxis]
     inner = np.clip(np.mod(standard, 2 * np.pi), np.pi / 2, 3 * np.pi / 2)
     return np.sort(np.column_stack((-quarter, quarter, inner, 3 * quarter)), axis=-1)
 
@@ -150,7 +150,7 @@ def _azimuths(corners: Array, level: int, symmetric: bool) -> tuple[Array, Array
 
 
 def _snapped(edges: Array, cuts: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Edges for each ray, of which those near a cut give way to it, and which of them are cuts."""
+    """Edges for each ray, moved to cuts that are near them, and which of the edges are cuts."""
     cuts = np.clip(cuts, edges[0], edges[-1])
     reach = np.empty_like(edges)
     reach[1:-1] = np.minimum(np.diff(edges)[1:], np.diff(edges)[:-1]) / 2
@@ -173,7 +173,7 @@ def _edges(ndf: Distribution, passes: bool) -> Array:
     standard = (1.0, *ndf._values[3:]) if "alpha_x" in ndf._names else ndf._values
     odds = np.arange(-21.0, 28.0, 2.0)
     edges = list(np.log(ndf.kernels.sample_slope(1 / (1 + np.exp(-odds)), *standard)))
-    # The area that is seen, of steep facets: E[r; r > R], where tails are heavy.
+    # Heavy tails: on until the projected area E[r; r > R] of the steeper facets is negligible.
     while passes and edges[-1] < _STEEPEST:
         steep = np.exp(edges[-1])
         if steep * float(ndf.kernels.survival(steep, *standard)) < 1e-12:

@@ -1,7 +1,7 @@
 """Light that leaves after one facet, as an integral over the facets' slopes.
 
-A sum over directions would have to find the lobe; the normals are where the distribution says. `panels.py`
-cuts their plane into pieces in which the integrand is smooth, and Gauss's rule does the rest.
+An integral over directions would have to find the lobe, while the distribution says where the normals are.
+`panels.py` cuts the plane of slopes into pieces on which the integrand is smooth, for Gauss's rule.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from microfacet._bsdf.kernels import MaterialKernels
 from microfacet._bsdf.panels import Panels, panels
 from microfacet._threads import in_threads
 
-__all__ = ["Leaving", "leaving"]
+__all__ = ["Escaped", "escaped"]
 
 Array = NDArray[np.float64]
 
-_AGREED = 1e-7  # of two levels, the finer of which has then far less
+_AGREED = 1e-7  # the difference of two levels; the error of the finer one is far below it
 _LEVELS = 6
-_DIRECTIONS = 32  # at a time, of the coarsest level, and
-_NODES = 1 << 16  # of these: some tens of megabytes
+_DIRECTIONS = 32  # at a time on the coarsest level, with
+_NODES = 1 << 16  # nodes at most: some tens of megabytes
 
 
-class Leaving(NamedTuple):
+class Escaped(NamedTuple):
     """Parts of the light, of shape (directions, channels), and the difference of the last two levels."""
 
     reflected: Array
@@ -35,7 +35,7 @@ class Leaving(NamedTuple):
     error: Array
 
 
-def leaving(material: MaterialKernels, wi: Array) -> Leaving:
+def escaped(material: MaterialKernels, wi: Array) -> Escaped:
     """Parts of the light from `wi` (directions, 3), not along the surface, that leave after one facet."""
     channels = int(np.prod(material._channels, dtype=np.int64))
     found = np.zeros((len(wi), 2, channels))
@@ -51,7 +51,7 @@ def leaving(material: MaterialKernels, wi: Array) -> Leaving:
                 error[some] = np.abs(finer - found[some]).max(axis=1)
             found[some] = finer
         open_ = open_[~(error[open_] <= _AGREED).all(axis=1)]
-    return Leaving(found[:, 0], found[:, 1], error)
+    return Escaped(found[:, 0], found[:, 1], error)
 
 
 def _level(material: MaterialKernels, wi: Array, level: int, channels: int) -> Array:
