@@ -1,9 +1,9 @@
 """Materials of microfacets: what facets of a distribution do with light.
 
 `fresnel.py` is one smooth interface. `arguments.py` checks what users give; `kernels.py` calls the compiled
-core, which computes what facets scatter. `material.py` has the methods of all materials, and `conductor.py`,
-`dielectric.py` and `diffuse.py` are the materials. `albedo.py` integrates them (`quadrature.py`, over the pieces
-of `panels.py`), and `compensation.py` adds the energy that single scattering loses.
+core, which computes what facets scatter. `material.py` has the methods of all materials; `conductor.py`,
+`dielectric.py` and `diffuse.py` are the materials. `albedo.py` integrates them with `quadrature.py`, over the
+pieces of `panels.py`. `compensation.py` adds the energy that single scattering loses.
 """
 
 from __future__ import annotations
