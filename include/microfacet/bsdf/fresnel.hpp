@@ -2,7 +2,7 @@
 // the one above it; a conductor has eta - i k. What depends on these alone is computed once for many angles.
 #pragma once
 
-#include "microfacet/core/double_double.hpp"
+#include "microfacet/core/exact_sums.hpp"
 #include "microfacet/core/math.hpp"
 
 namespace microfacet {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "microfacet/core/elementary.hpp"
+#include "microfacet/core/exact_sums.hpp"
 #include "microfacet/core/math.hpp"
 
 namespace microfacet {
@@ -54,12 +55,7 @@ MICROFACET_INLINE auto low_where(const Mask& condition, const double_double<T>& 
   }
 }
 
-// What s = a + b rounded lacks of the sum, whatever the order of a and b.
-template <class T>
-MICROFACET_INLINE T two_sum_error(const T& a, const T& b, const T& s) {
-  const T t = rounded(T(s - a));
-  return rounded(T(a - rounded(T(s - t)))) + rounded(T(b - t));
-}
+// a + b and a * b with what their roundings lose.
 template <class T>
 MICROFACET_INLINE double_double<T> two_sum(const T& a, const T& b) {
   const T s = rounded(T(a + b));
@@ -78,34 +74,6 @@ MICROFACET_INLINE double_double<T> two_prod(const T& a, const T& b) {
   const T p = rounded(T(a * b));
   if constexpr (one_number<T>) return p;
   return {p, two_prod_error(a, b, p)};
-}
-
-// A sum of products that keeps the digits which cancellation leaves, in any format.
-template <class T>
-struct sum_of_products {
-  T high, low;
-
-  MICROFACET_INLINE sum_of_products(const T& a, const T& b)
-      : high(rounded(T(a * b))), low(two_prod_error(a, b, high)) {}
-  MICROFACET_INLINE sum_of_products plus(const T& a, const T& b) const {
-    const sum_of_products product(a, b);
-    sum_of_products sum = *this;
-    sum.high = rounded(T(high + product.high));
-    sum.low = low + (two_sum_error(high, product.high, sum.high) + product.low);
-    return sum;
-  }
-  MICROFACET_INLINE T value() const { return high + low; }
-};
-
-// a - b * c where b * c is a rounded: without error.
-template <class T>
-MICROFACET_INLINE T residual(const T& a, const T& b, const T& c) {
-  if constexpr (MICROFACET_FUSED) {
-    return multiply_add(T(-b), c, a);
-  } else {
-    const T p = rounded(T(b * c));
-    return rounded(T(a - p)) - two_prod_error(b, c, p);
-  }
 }
 
 template <class T>
