@@ -90,6 +90,16 @@ bool fits_float32(const double* parameters, bool samples_visible) {
   return true;
 }
 
+// Whether the family itself draws visible normals in closed form, which no table does.
+template <class Model>
+bool draws_in_closed_form(const double* parameters) {
+  if constexpr (special_slope_sampling<typename Model::family>) {
+    return Model::family::draws_in_closed_form(parameters[Model::first]);
+  } else {
+    return false;
+  }
+}
+
 template <class Model, class Lanes>
 auto make_family(const double_double<Lanes>* p) {
   return [p]<std::size_t... I>(std::index_sequence<I...>) {

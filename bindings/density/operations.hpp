@@ -96,10 +96,11 @@ MICROFACET_VISIBLE(direct_visible_sample_of_mixture, "sample_visible_mixture", s
 MICROFACET_VISIBLE(bounded_sample, "sample_visible_bounded", sample_visible_bounded, 3, x[3], x[4], x[5])
 #undef MICROFACET_VISIBLE
 struct visible_sample : direct_visible_sample {
-  static constexpr bool solves = true;  // unless in closed form
+  static constexpr bool solves = true;               // unless in closed form
+  static constexpr bool samples_from_tables = true;  // in float32
 };
 struct visible_sample_of_mixture : direct_visible_sample_of_mixture {
-  static constexpr bool samples_from_tables = true;  // in float32, from tables
+  static constexpr bool samples_from_tables = true;
 };
 struct bounded_pdf {
   static constexpr const char* name = "pdf_visible_bounded";
@@ -124,7 +125,7 @@ bool add_visible_operations(PyObject* space, const char* prefix) {
     if constexpr (!closed_visible_sampling<family>) {
       if (!add_all<Model, true, visible_sample_of_mixture>(space, prefix)) return false;
     }
-    if constexpr (requires { &family::bounded_facet; }) {
+    if constexpr (bounded_facet_sampling<family>) {
       if (!add_all<Model, true, bounded_sample, bounded_pdf>(space, prefix)) return false;
     }
   }

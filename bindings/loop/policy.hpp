@@ -55,24 +55,26 @@ struct policy {
   // A family of the user's has tables alone, which are searched.
   static constexpr bool searches = requires { typename Model::tag::template table_density<lanes<float>>; };
   // Samplers that iterate are no chain that a call would interrupt; nor are tables that are searched.
-  static constexpr bool iterates = requires { Operation::solves; } && !requires {
-    &family::visible_slopes_of;
-  } && !requires { &family::visible_facet; };
-  // The mixture scheme composes in float32 and iterates in float64.
+  // In float32 constants or tables say where they start.
+  template <class Real>
+  static constexpr bool iterates = requires { Operation::solves; } && !closed_visible_sampling<family> && !(std::is_same_v<Real, float> &&
+                                                  (family::tabulate != 0 || started_inversion<family>));
+  // Visible normals are drawn without a loop in float32 and iterate in float64.
   template <class Real>
   static constexpr bool one_register =
-      searches || iterates || (requires { Operation::samples_from_tables; } && std::is_same_v<Real, double>);
+      searches || iterates<Real> || (requires { Operation::samples_from_tables; } && std::is_same_v<Real, double>);
   static constexpr bool in_closed_form = requires { &family::sf_over_density; };
 
   // All that the operation needs of the density is a short closed form.
-  static constexpr bool in_short_form = (Operation::functions & family::tabulate) == 0 && !iterates;
+  template <class Real>
+  static constexpr bool in_short_form = (Operation::functions & family::tabulate) == 0 && !iterates<Real>;
 
   template <class Real>
   static constexpr bool computes_in = std::is_same_v<Real, double> || family::float32_arithmetic;
 
   // Where parameters vary, float32 serves the short forms of a family whose other functions need more.
   template <class Real>
-  static constexpr bool varies_in = computes_in<Real> || in_short_form;
+  static constexpr bool varies_in = computes_in<Real> || in_short_form<Real>;
 
   // Tables pay where all that the operation needs of the density is costly, as float32 is for a family that
   // computes in double: none stands for a short closed form. Visible normals without closed forms are drawn
@@ -82,7 +84,7 @@ struct policy {
       family::tabulate != 0 &&
       (samples_visible ? !in_closed_form
                        : (Operation::functions & ~family::tabulate) == 0 || !computes_in<Real>);
-  // With closed forms, in float32 composing from tables is faster than solving.
+  // With closed forms, in float32 drawing from tables is faster than solving.
   static constexpr bool samples_from_tables =
       requires { Operation::samples_from_tables; } && in_closed_form && family::tabulate != 0;
 };
@@ -117,14 +119,14 @@ constexpr kernel_set<Real> kernels_of() {
   kernel_set<Real> k;
   if constexpr (!p::searches && p::template computes_in<Real>) {
     using own = decltype(constant_distribution<Model, lanes<Real>>({}));
-    if constexpr (p::in_short_form) {
+    if constexpr (p::template in_short_form<Real>) {
       k.constant = &evaluate_flat<Operation, lanes<Real>, own>;
     } else {
       k.constant = &evaluate_constant<Operation, lanes<Real>, own>;
     }
   }
   if constexpr (!p::searches && Varying && p::template varies_in<Real>) {
-    if constexpr (p::in_short_form) {
+    if constexpr (p::template in_short_form<Real>) {
       k.varying = &evaluate_varying_flat<Model, Operation, lanes<Real>>;
     } else {
       k.varying = &evaluate_varying<Model, Operation, lanes<Real>>;

@@ -201,6 +201,7 @@ struct ufunc_loops {
                               npy_intp n) {
     const bool alone = op.wide.constant == nullptr;
     if (!WideParameters && !alone && n < long_array) return false;
+    if (op.samples_visible && draws_in_closed_form<Model>(constant_parameters<T>(op, args).data())) return false;
     if (std::is_same_v<T, float> && op.single.table != nullptr && serves_float32(op, args, steps) &&
         run_tabulated<float, T>(op, args, steps, n))
       return true;

@@ -31,7 +31,7 @@ struct kernels_for_materials {
           return of<visible_sample_of_mixture>();
         break;
       case quantity::visible_bounded:
-        if constexpr (requires { &family::bounded_facet; }) return of<bounded_sample>();
+        if constexpr (bounded_facet_sampling<family>) return of<bounded_sample>();
         break;
       case quantity::count:
         break;
@@ -51,7 +51,8 @@ struct kernels_for_materials {
         const operation_kernels* op = of(static_cast<quantity>(k));
         if (op == nullptr) continue;
         const kernel_set<Real>& kernels = op->of<Real>();
-        const void* const table = kernels.table_of_one_register ? one_register : two_registers;
+        const bool closed = op->samples_visible && draws_in_closed_form<Model>(numbers.data());
+        const void* const table = closed ? nullptr : kernels.table_of_one_register ? one_register : two_registers;
         if (kernels.table != nullptr && table != nullptr) {
           d.functions[k] = {kernels.table, table};
         } else if (kernels.constant != nullptr && own != nullptr) {

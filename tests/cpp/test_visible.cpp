@@ -26,7 +26,7 @@ const std::vector<double> uniforms{1e-12, 1e-6, 0.01, 0.2, 0.45, 0.7, 0.9};
 
 template <class Family>
 constexpr bool solved = !requires(const Family f) { f.visible_slopes_of(0.5, 0.5, 0.5, 0.5); } &&
-                        !requires(const Family f) { f.visible_facet(0.6, 0.8, 0.5, 0.5); };
+                        !requires(const Family f, mf::cap_direction<double> w) { f.visible_facet(w, 0.5, 0.5); };
 template <class Family>
 constexpr bool has_tails = requires(const Family f) { f.sf_over_density(0.5); };
 template <class Family>

@@ -15,6 +15,8 @@
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/special/bivariate.hpp"
+#include "microfacet/special/coefficients/visible.hpp"
 #include "microfacet/special/erf.hpp"
 #include "microfacet/tabulated/visible_tables.hpp"
 
@@ -27,11 +29,43 @@ inline const visible_table<float> beckmann_excess_radius = excess_radius_table(F
 template <class T>
 inline constexpr bool reads_excess_table =
     elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 4;
+
+// Where smith/visible/started.hpp starts.
+struct beckmann_start {
+  static constexpr int steps = 1;
+  static constexpr double peak = 1 / sqrt_pi, inverse_peak = sqrt_pi, mean_excess = 0.5 / sqrt_pi;
+
+  template <class T, class Mask>
+  static T above(const visible_depth<T, Mask>& at, const T& parabola) {
+    const variables<T> s(at);
+    const T rate = s.inverse * polynomial(coefficients::visible_lower, s.x, at.root);
+    const T upper = parabola * polynomial(coefficients::visible_upper, s.x, s.depth);
+    return select(at.lower, T(-at.X * expm1(T(-at.depth * rate))), upper);
+  }
+  template <class T, class Mask>
+  static T below(const visible_depth<T, Mask>& at, const T&) {
+    const variables<T> s(at);
+    const T grown = multiply_add(at.root, polynomial(coefficients::visible_below, s.x, s.depth), at.depth);
+    return grown / (at.X + sqrt(multiply_add(at.X, at.X, maximum(grown, T(0)))) + smallest<T>());
+  }
+
+ private:
+  // 1/(1.5 + X), X/(1.5 + X) and root/(2 + root), from one quotient.
+  template <class T>
+  struct variables {
+    T inverse, x, depth;
+    template <class Mask>
+    explicit variables(const visible_depth<T, Mask>& at) {
+      const T wide = T(1.5) + at.X, deep = T(2) + at.root, both = T(1) / (wide * deep);
+      inverse = both * deep, x = at.X * inverse, depth = at.root * both * wide;
+    }
+  };
+};
 }  // namespace detail
 
 template <class T>
 class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
-                                               part::quantile_across | part::mixture_sampling |
+                                               part::quantile_across | part::mixture_sampling | part::started_inversion |
                                                (detail::reads_excess_table<T> ? part::excess_quantile : 0U)> {
  public:
   static constexpr std::string_view name = "beckmann";
@@ -77,8 +111,8 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma 
         [&] { return T(T(0.5 * sqrt_pi) * ierfc_scaled(t)); });
   }
   T moment_over_density(const T&, const T&) const { return T(0.5); }
-  T log_slope(const T& t, const T&) const { return T(-2) * t; }
-  T fall(const T& t, const T& v) const { return v * (T(2) * t + v); }
+  T score(const T& t, const T&) const { return T(-2) * t; }
+  T log_density_ratio(const T& t, const T& v) const { return v * (T(2) * t + v); }
   T survival_radius(const T& depth) const { return sqrt(depth); }
   T moment_radius(const T& t, const T& depth) const {
     return depth / (t + sqrt(t * t + depth) + smallest<T>());
@@ -99,6 +133,8 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma 
     }
     return {d * mass, d * d * moment};
   }
+  static constexpr detail::beckmann_start start() { return {}; }
+  static T over_density(const T& t) { return T(sqrt_pi) * exp(minimum(T(t * t), T(80))); }
   // The slope across the plane of incidence is independent of that in it.
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
   // For smith/visible/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.

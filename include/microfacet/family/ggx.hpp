@@ -49,12 +49,12 @@ class ggx : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | par
   }
 
   // By a uniform point on a spherical cap: two uniforms; the first is 0 where the mirrored direction is +z.
-  vec3<T> visible_facet(const T& wx, const T& wz, const T& xi0, const T& xi1) const {
-    return spherical_cap<T>(wx, wz, T(T(1) - xi0), T(1), xi0).facet_of_uniform(xi1);
+  vec3<T> visible_facet(const cap_direction<T>& w, const T& xi0, const T& xi1) const {
+    return spherical_cap<T>(w, T(T(1) - xi0), xi0).facet_of_uniform(xi1);
   }
   // The cap down to z = -k wz.
-  vec3<T> bounded_facet(const T& wx, const T& wz, const T& k, const T& xi0, const T& xi1) const {
-    return spherical_cap<T>(wx, wz, T(T(1) - xi0), k, xi0).facet_of_uniform(xi1);
+  vec3<T> bounded_facet(const cap_direction<T>& w, const T& k, const T& xi0, const T& xi1) const {
+    return spherical_cap<T>(w, T(T(1) - xi0), xi0, k).facet_of_uniform(xi1);
   }
 };
 

@@ -47,13 +47,13 @@ template <class F>
 concept scaled_sigma = requires(const F f, typename F::scalar c, double_double<typename F::scalar> s2) { f.sigma_below(c, s2); };  // 2^lift s J(|c|/s), a fraction
 // Visible normals (smith/visible/): the facet or both slopes at once ...
 template <class F>
-concept facet_sampling = requires(const F f, typename F::scalar x) { f.visible_facet(x, x, x, x); };
+concept facet_sampling = requires(const F f, cap_direction<typename F::scalar> w, typename F::scalar x) { f.visible_facet(w, x, x); };
 template <class F>
-concept bounded_facet_sampling = facet_sampling<F> && requires(const F f, typename F::scalar x) { f.bounded_facet(x, x, x, x, x); };
+concept bounded_facet_sampling = facet_sampling<F> && requires(const F f, cap_direction<typename F::scalar> w, typename F::scalar x) { f.bounded_facet(w, x, x, x); };
 template <class F>
 concept slope_sampling = requires(const F f, typename F::scalar x) { f.visible_slopes_of(x, x, x, x); };
-template <class F>  // where has_closed_slopes() holds
-concept special_slope_sampling = requires(const F f, typename F::scalar x) { f.has_closed_slopes(); f.closed_slopes(x, x, x); };
+template <class F>  // where has_closed_slopes() holds, at a shape for which draws_in_closed_form(shape) does
+concept special_slope_sampling = requires(const F f, typename F::scalar x) { F::draws_in_closed_form(0.0); f.has_closed_slopes(); f.closed_slopes(x, x, x); };
 // ... or quotients of tails by P2(t), and their inverses. The slope across is independent of that in the plane
 // of incidence (by its quantile), or the rest of one in three dimensions.
 template <class F>
@@ -61,9 +61,11 @@ concept quantile_across = requires(const F f, typename F::scalar xi) { f.across_
 template <class F>
 concept tail_quotients = requires(const F f, typename F::scalar t) {
   f.sf_over_density(t); f.excess_over_density(t, t); f.moment_over_density(t, t);
-  f.log_slope(t, t); f.fall(t, t); f.survival_radius(t); f.moment_radius(t, t); f.inverse_tail();
+  f.score(t, t); f.log_density_ratio(t, t); f.survival_radius(t); f.moment_radius(t, t); f.inverse_tail();
   f.is_near(t, t, t); f.near_moments(t, t);
 } && (quantile_across<F> || requires(const F f, typename F::scalar t) { f.across(t, t); });
+template <class F>  // where an inversion in float32 starts (smith/visible/started.hpp)
+concept started_inversion = requires(const F f, typename F::scalar t) { f.start(); f.over_density(t); };
 // The mixture scheme without iteration: M(P) = (1 - xi) M(t), the slope across, and in float32 t at t/J(t).
 template <class F>
 concept mixture_sampling = requires(const F f, typename F::scalar t) { f.moment_beyond(t, t); f.across_of_tables(t, t, t); };
@@ -79,7 +81,8 @@ enum parts : unsigned {
   scaled_P2 = 1, P22_by_slope = 1 << 1, survival_by_slope = 1 << 2, direct_radius = 1 << 3, radius_by_odds = 1 << 4,
   scaled_excess = 1 << 5, scaled_sigma = 1 << 6, facet_sampling = 1 << 7, bounded_facet_sampling = 1 << 8,
   slope_sampling = 1 << 9, special_slope_sampling = 1 << 10, quantile_across = 1 << 11, tail_quotients = 1 << 12,
-  mixture_sampling = 1 << 13, excess_quantile = 1 << 14, conditional_fall = 1 << 15, float32_sampling_range = 1 << 16
+  mixture_sampling = 1 << 13, excess_quantile = 1 << 14, conditional_fall = 1 << 15, float32_sampling_range = 1 << 16,
+  started_inversion = 1 << 17
 };
 }
 
@@ -97,7 +100,8 @@ concept has_the_parts_it_states =
     agrees<F, part::quantile_across, quantile_across<F>> && agrees<F, part::tail_quotients, tail_quotients<F>> &&
     agrees<F, part::mixture_sampling, mixture_sampling<F>> && agrees<F, part::excess_quantile, excess_quantile<F>> &&
     agrees<F, part::conditional_fall, conditional_fall<F>> &&
-    agrees<F, part::float32_sampling_range, float32_sampling_range<F>>;
+    agrees<F, part::float32_sampling_range, float32_sampling_range<F>> &&
+    agrees<F, part::started_inversion, started_inversion<F>>;
 
 template <class F>
 concept closed_visible_sampling = facet_sampling<F> || slope_sampling<F>;

@@ -46,6 +46,20 @@ struct near_integrals {
   T mass, moment;
 };
 
+// The stretched direction from which normals are seen, of unit length, and 1/wx, which counts below the horizon alone.
+template <class T>
+struct cap_direction {
+  T wx, wz, inverse_wx;
+};
+
+// What the start of an inversion depends on: |x|, the depth -log(probability) and its root, and whether the slope
+// leans away from x.
+template <class T, class Mask>
+struct visible_depth {
+  T X, depth, root;
+  Mask lower;
+};
+
 // Slopes in the plane of incidence of a direction, positive towards it, and across that plane.
 template <class T>
 struct visible_slopes {

@@ -101,8 +101,8 @@ class student_t
     const auto difference = [&] { return T(moment_over_density(t, sf) - t * sf); };
     return select_lazy(t * t < T(0.5), [&] { return difference(); }, [&] { return series(); });
   }
-  T log_slope(const T& t, const T&) const { return (T(-2) * k_ - T(1)) * t / (k_ + t * t); }
-  T fall(const T& t, const T& v) const {
+  T score(const T& t, const T&) const { return (T(-2) * k_ - T(1)) * t / (k_ + t * t); }
+  T log_density_ratio(const T& t, const T& v) const {
     return (k_ + T(0.5)) * log1p(T(v * ((T(2) * t + v) / (k_ + t * t))));
   }
   T survival_radius(const T& depth) const {
@@ -143,9 +143,12 @@ class student_t
   static bool sampling_fits_float32(double gamma) { return gamma >= 2.5; }
   // gamma = 3 takes two uniforms.
   auto has_closed_slopes() const { return k_ == T(2); }
+  static bool draws_in_closed_form(double gamma) { return gamma == 3; }
   visible_slopes<T> closed_slopes(const T& x, const T& xi0, const T& xi1) const {
-    const T inverse = T(1) / sqrt(T(2) + x * x), scale = T(sqrt_two);
-    const vec3<T> m = spherical_cap<T>(scale * inverse, x * inverse, T(sqrt(T(1) - xi0))).facet_of_cubic(xi1);
+    const T length2 = T(2) + x * x, inverse = T(1) / sqrt(length2), scale(sqrt_two);
+    const cap_direction<T> w{scale * inverse, x * inverse, length2 * inverse * T(1 / sqrt_two)};
+    const T share = sqrt(T(1) - xi0);
+    const vec3<T> m = spherical_cap<T>(w, share, T(T(1) - share)).facet_of_cubic(xi1);
     const T reciprocal = scale / m.z;
     return {m.x * reciprocal, m.y * reciprocal};
   }

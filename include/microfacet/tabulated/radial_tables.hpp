@@ -80,6 +80,17 @@ double first_lane(const R& r) {
   return x;
 }
 
+// The slope functions of tables in float32, at t >= 0.
+struct functions_at_numbers {
+  const radial_tables<float>& tables;
+  double P2(double t) const { return square(static_cast<double>(at(tables.root_P2, t))); }
+  double slope_sf(double t) const { return at(tables.slope_sf, t); }
+  double slope_excess(double t) const { return at(tables.slope_excess, t * t); }
+  static float at(const radial_tables<float>::table& table, double x) {
+    return table(double_double<float>(static_cast<float>((std::min)(x, 1e37))));
+  }
+};
+
 template <class Family>
 class radial_samples {
   using R = typename Family::scalar;
@@ -174,7 +185,11 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   if (functions & of_slope_excess)
     fill(slope_excess, [&](const R& L) { return samples.slope_excess(L); },
          {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
-  if (functions & of_visible) visible.build(family);
+  if (functions & of_visible) {
+    visible.build(family);
+    if constexpr (single)
+      if (visible.complete) visible.start.build(detail::functions_at_numbers{*this});
+  }
 }
 
 }  // namespace microfacet

@@ -9,12 +9,15 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <type_traits>
+#include <variant>
 
 #include "microfacet/approx/iterate.hpp"
 #include "microfacet/approx/piecewise.hpp"
 #include "microfacet/approx/piecewise_fit.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/tabulated/visible_start.hpp"
 
 namespace microfacet {
 
@@ -116,6 +119,7 @@ class visible_tables {
   T first_moment{}, inverse_P2{};  // M(0) and 1/P2(0)
   bool falls = true;               // whether P2 decreases everywhere
   bool complete = false;           // whether visible normals can be drawn from the tables alone
+  std::conditional_t<single, visible_start, std::monostate> start;  // of the inversion in float32
 
   // From a family in double precision.
   template <class Family>

@@ -38,18 +38,26 @@ class visible_functions {
       return family_.moment_over_density(p.t, p.sf);
     }
   }
-  T log_slope(const point& p) const {
+  T score(const point& p) const {
     if constexpr (tabled) {
-      return family_.log_slope(p.t, p.sf, p.excess);
+      return family_.score(p.t, p.sf, p.excess);
     } else {
-      return family_.log_slope(p.t, p.sf);
+      return family_.score(p.t, p.sf);
     }
   }
-  T fall(const point& from, const point& to, const T& distance) const {
+  T log_density_ratio(const point& from, const point& to, const T& distance) const {
     if constexpr (tabled) {
       return log(from.density / to.density);
     } else {
-      return family_.fall(from.t, distance);
+      return family_.log_density_ratio(from.t, distance);
+    }
+  }
+
+  T over_density(const point& p) const {
+    if constexpr (tabled) {
+      return T(1) / p.density;
+    } else {
+      return family_.over_density(p.t);
     }
   }
 

@@ -11,10 +11,13 @@
 //   Q = cos(pi xi2) sqrt(R^2 - P^2).
 #pragma once
 
+#include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/vec.hpp"
+#include "microfacet/family/spherical_cap.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/visible/slope.hpp"
+#include "microfacet/smith/visible/started.hpp"
 #include "microfacet/smith/visible/tails.hpp"
 
 namespace microfacet {
@@ -31,37 +34,39 @@ struct standard_direction {
     constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
     T a = w.x, b = w.y;
     shape.to_standard(a, b);
-    const T length2 = a * a + b * b, tiny = T(single ? 1e-36 : 1e-290);
-    const auto vertical = length2 < tiny;
-    const T length = sqrt(select(vertical, T(1), length2));
+    const T length2 = a * a + b * b;
+    const auto vertical = length2 < T(single ? 1e-36 : 1e-290);
+    const T inverse = T(1) / sqrt(select(vertical, T(1), length2));
     // From far below the horizon only slopes beyond -x are seen.
     const T most = T(single ? 1e9 : 1e15), deepest = T(single ? -1e18 : -1e150);
-    cosine = select(vertical, T(1), a / length);
-    sine = select(vertical, T(0), b / length);
+    cosine = select(vertical, T(1), T(a * inverse));
+    sine = select(vertical, T(0), T(b * inverse));
     // Straight down nothing is seen.
     const T top = select(w.z > T(0), most, select(w.z > T(0), w.z, nan<T>()));
-    const T x_argument = select(vertical, top, T(w.z / length));
+    const T x_argument = select(vertical, top, T(w.z * inverse));
     x = select(x_argument > most, most, select(x_argument < deepest, deepest, x_argument));
   }
 };
 
-// A direction in standard space of unit length: (wx, 0, wz), and its azimuth.
+// A direction in standard space of unit length, and its azimuth.
 template <class T>
 struct unit_direction {
-  T wx, wz, cosine, sine;
+  cap_direction<T> w;
+  T cosine, sine;
 
   template <class Shape>
-  unit_direction(const Shape& shape, const vec3<T>& w) {
+  unit_direction(const Shape& shape, const vec3<T>& given) {
     constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
-    T a = w.x, b = w.y;
+    T a = given.x, b = given.y;
     shape.to_standard(a, b);
-    const T across2 = a * a + b * b;
+    const T across2 = a * a + b * b, length2 = across2 + given.z * given.z;
     const auto vertical = across2 < T(single ? 1e-36 : 1e-290);
-    const T across = sqrt(select(vertical, T(1), across2)), length = sqrt(across2 + w.z * w.z);
+    const T across = sqrt(select(vertical, T(1), across2)), length = sqrt(length2);
     // Both reciprocals from one quotient. Straight down nothing is seen.
-    const T both = T(1) / (across * nan_unless((!vertical) | (w.z > T(0)), length)), inverse = both * length;
-    wx = select(vertical, T(0), T(across2 * both)), wz = w.z * across * both;
-    cosine = select(vertical, T(1), T(a * inverse)), sine = select(vertical, T(0), T(b * inverse));
+    const T both = T(1) / (across * nan_unless((!vertical) | (given.z > T(0)), length));
+    const T per_across = both * length;
+    w = {select(vertical, T(0), T(across2 * both)), given.z * across * both, length2 * both};
+    cosine = select(vertical, T(1), T(a * per_across)), sine = select(vertical, T(0), T(b * per_across));
   }
 };
 
@@ -81,7 +86,8 @@ vec3<T> normal_of_visible(const Shape& shape, const standard_direction<T>& w, co
   const T most = T(single ? 1e18 : 1e150);
   T x = w.cosine * s.along - w.sine * s.across, y = w.sine * s.along + w.cosine * s.across;
   shape.to_surface(x, y);
-  const T larger = maximum(T(abs(x)), T(abs(y))), scale = select(larger > most, T(most / larger), T(1));
+  // Beside slopes whose squares might overflow 1 is nothing.
+  const T scale = select(maximum(T(abs(x)), T(abs(y))) > most, T(single ? 1e-12 : 1e-110), T(1));
   x = x * scale, y = y * scale;
   const T z = T(1) / sqrt(T(1) + (x * x + y * y));
   return {x * z, y * z, z};
@@ -116,17 +122,40 @@ template <class Family, class T>
     return {nan_unless(tables_reach(family, x), s.along), s.across};
   }
 }
+
+// By a start and one step, in float32.
+template <class Family>
+concept starts = sizeof(typename scalar_traits<typename Family::scalar>::real) == 4 &&
+                 (started_inversion<Family> || requires(const Family f) { f.visible().start.steps; });
 template <class Family, class T>
-visible_slopes<T> draw_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
+MICROFACET_INLINE visible_slopes<T> start_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
+                                                         const T& xi2) {
+  if constexpr (started_inversion<Family>) {
+    const T along = started_slope<Family, T>(family)(x, maximum(xi0, smallest<T>()));
+    return {along, family.across_by_quantile(xi1)};
+  } else {
+    using tails = visible_tails<Family, T>;
+    const T along = started_slope<tails, T>(tails(family))(x, maximum(xi0, tails::least_share()));
+    const T valid = nan_unless((xi2 >= T(0)) & (xi2 < T(1)), xi2);
+    return {along, family.across_of_tables(T(abs(along)), xi1, valid)};
+  }
+}
+
+template <class Family, class T>
+MICROFACET_INLINE visible_slopes<T> draw_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
                                       const T& xi2) {
+  const auto solved = [&] { return solve_visible_slopes(family, x, xi0, xi1, xi2); };
   if constexpr (requires { family.visible_slopes_of(x, xi0, xi1, xi2); }) {
     return family.visible_slopes_of(x, xi0, xi1, xi2);
   } else if constexpr (requires { family.closed_slopes(x, xi0, xi1); }) {
-    return select_lazy(
-        family.has_closed_slopes(), [&] { return family.closed_slopes(x, xi0, xi1); },
-        [&] { return solve_visible_slopes(family, x, xi0, xi1, xi2); });
+    return select_lazy(family.has_closed_slopes(), [&] { return family.closed_slopes(x, xi0, xi1); }, solved);
+  } else if constexpr (starts<Family>) {
+    if constexpr (requires { family.visible(); }) {
+      if (family.visible().start.steps == 0) return solved();
+    }
+    return start_visible_slopes(family, x, xi0, xi1, xi2);
   } else {
-    return solve_visible_slopes(family, x, xi0, xi1, xi2);
+    return solved();
   }
 }
 
@@ -144,9 +173,9 @@ vec3<T> sample_visible(const ndf<Family, T, Shape>& distribution, const vec3<T>&
                        const T& xi1, const T& xi2) {
   const Family& family = distribution.family();
   const T u = detail::uniform(xi0), v = detail::uniform(xi1);
-  if constexpr (requires { family.visible_facet(w.x, w.z, u, v); }) {
+  if constexpr (facet_sampling<Family>) {
     const detail::unit_direction<T> seen(distribution.shape(), w);
-    return detail::normal_of_facet(distribution.shape(), seen, family.visible_facet(seen.wx, seen.wz, u, v));
+    return detail::normal_of_facet(distribution.shape(), seen, family.visible_facet(seen.w, u, v));
   } else {
     const detail::standard_direction<T> seen(distribution.shape(), w);
     const visible_slopes<T> slopes = detail::draw_visible_slopes(family, seen.x, u, v, xi2);

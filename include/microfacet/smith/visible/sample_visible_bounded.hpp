@@ -28,7 +28,7 @@ vec3<T> sample_visible_bounded(const ndf<Family, T, Shape>& distribution, const 
   const detail::unit_direction<T> seen(distribution.shape(), w);
   const T k = detail::bound_of_cap(distribution.shape(), w);
   const vec3<T> facet =
-      distribution.family().bounded_facet(seen.wx, seen.wz, k, detail::uniform(xi0), detail::uniform(xi1));
+      distribution.family().bounded_facet(seen.w, k, detail::uniform(xi0), detail::uniform(xi1));
   return detail::normal_of_facet(distribution.shape(), seen, facet);
 }
 

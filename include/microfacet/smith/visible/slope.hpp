@@ -10,7 +10,7 @@
 // Each over P2(t), t = |P|, is a function that neither over- nor underflows, and log(probability/target) is
 // solved by Halley's method: above in the variable (x + P)^2/2, below in log(x + P), which are straight where
 // the probability has its double zeros. The other side of the quotient is an exponent. What a family states
-// (`tails`): slope_sf/P2, J/P2, int_t^inf y P2(y) dy/P2, (log P2)', the fall log P2(t) - log P2(t + v).
+// (`tails`): slope_sf/P2, J/P2, int_t^inf y P2(y) dy/P2, (log P2)', log_density_ratio = log P2(t) - log P2(t + v).
 #pragma once
 
 #include "microfacet/core/logarithms.hpp"
@@ -24,7 +24,7 @@ namespace detail {
 template <class Family, class T>
 class visible_slope_solver : visible_functions<Family, T> {
   using base = visible_functions<Family, T>;
-  using base::at, base::excess, base::moment, base::log_slope, base::fall, base::family_;
+  using base::at, base::excess, base::moment, base::score, base::log_density_ratio, base::family_;
   using typename base::point;
   using Mask = decltype(T(0) < T(0));
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
@@ -92,7 +92,7 @@ class visible_slope_solver : visible_functions<Family, T> {
                   [&] { return multiply_add(v, p.sf, excess(p)); });
   }
   T lower(const Mask& nearby, const near_integrals<T>& s, const point& p, const T& d) const {
-    const T general = (d * p.sf - excess(p)) + excess(at_x_) * exp(-fall(p, at_x_, d));
+    const T general = (d * p.sf - excess(p)) + excess(at_x_) * exp(-log_density_ratio(p, at_x_, d));
     return select(nearby, T(d * s.mass - s.moment), general);
   }
 
@@ -112,7 +112,7 @@ class visible_slope_solver : visible_functions<Family, T> {
       const T less = minimum(t1, by_angle), more = maximum(maximum(t1, by_angle), smallest<T>());
       const T blend = less / (T(1) + T(0.19) * square(square(T(less / more))));
       // At its end the probability is P2(x) (x - v)^2/2.
-      const T square_end = T(2) * part_ * exp(fall(at_start_, at_x_, abs(x_)) - depth_);
+      const T square_end = T(2) * part_ * exp(log_density_ratio(at_start_, at_x_, abs(x_)) - depth_);
       const T end = x_ - sqrt(minimum(square_end, largest<T>()));  // a fast root of infinity may be nan
       return select(end > T(0.5) * x_, end, blend);
     };
@@ -136,12 +136,12 @@ class visible_slope_solver : visible_functions<Family, T> {
     const T N = unless(on_lower_, upper(p, v), [&] { return lower(nearby, s, p, d); });
     const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
     const auto from_start = nearby & !on_lower_;
-    const T r = select(from_start, T(0), T(depth_ - fall(at_start_, p, v))) +
+    const T r = select(from_start, T(0), T(depth_ - log_density_ratio(at_start_, p, v))) +
                 log_of_sum(T(select(from_start, T(1), T(N / part_))), T(select(from_start, change, T(0))));
 
     const T per_d = N / d, twice = select(on_lower_, T(T(2) * per_d / d), T(0));
     const T newton =
-        r * N / minimum(maximum(T(T(1) + T(0.5) * r * (T(1) + log_slope(p) * per_d - twice)), T(0.5)), T(2));
+        r * N / minimum(maximum(T(T(1) + T(0.5) * r * (T(1) + score(p) * per_d - twice)), T(0.5)), T(2));
     const T square_change = maximum(newton, T(T(-0.48) * d * d));
     const T by_square = T(2) * square_change / (sqrt(d * d + T(2) * square_change) + d);
     const auto by_ratio = [&] { return T(d * relative_step(T(newton / (d * d)))); };

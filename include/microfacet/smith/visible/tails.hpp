@@ -24,6 +24,11 @@ class visible_tails {
  public:
   explicit visible_tails(const Family& family) : family_(family) {}
 
+  const auto& start() const
+    requires requires(const Family f) { f.visible().start.steps; }
+  {
+    return family_.visible().start;
+  }
   // Smaller probabilities leave the range of P2.
   static T least_share() { return T(single ? 1e-30 : 1e-250); }
   T density(const T& t) const { return maximum(P2(off_zero(t)), smallest<T>()); }
@@ -35,7 +40,7 @@ class visible_tails {
   }
   T sf_over_density(const T& t) const { return slope_sf(t) / density(t); }
   // Nearly: exact for an exponential, and far out for a power and a Gaussian.
-  T log_slope(const T& t, const T& sf, const T& excess) const {
+  T score(const T& t, const T& sf, const T& excess) const {
     const T ratio = sf * sf / excess;
     return (ratio - T(2)) * t * t / (sf * (t * t + T(0.25) * sf * sf));
   }

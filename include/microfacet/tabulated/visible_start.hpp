@@ -1,0 +1,244 @@
+// Where smith/visible/started.hpp starts for a density that is tables in float32: what is left of a slope when its
+// leading behaviour is divided off, as a polynomial of the root of the depth, by pieces of the direction that end where
+// the leading bits of 1 + X/scale change. Made from the tables themselves, without a solver: slopes give depths, and
+// the slopes at the depths wanted lie between.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <tuple>
+#include <type_traits>
+
+#include "microfacet/core/elementary.hpp"
+#include "microfacet/core/lookup.hpp"
+#include "microfacet/core/math.hpp"
+#include "microfacet/family/radial.hpp"
+
+namespace microfacet {
+
+class visible_start {
+  static constexpr std::size_t pieces = 16, of_x = 3, of_depth = 10, terms = of_x * of_depth;
+  // The roots of the largest depths; where a slope leans away 1 - xi is 2^-24 at least.
+  static constexpr double deepest = 6, deepest_lower = 4.1;
+
+ public:
+  int steps = 0;  // that end within the rounding of float32; 0 where the start is too far
+  float peak{}, inverse_peak{}, mean_excess{};
+
+  // From P2, slope_sf and slope_excess at numbers.
+  template <class Functions>
+  void build(const Functions& f);
+
+  template <class T, class Mask>
+  MICROFACET_INLINE T above(const visible_depth<T, Mask>& at, const T& parabola) const {
+    const place<T> here(at, *this);
+    const T p = value<2 * pieces>(above_, here, shifted(here.piece, at.lower));
+    const T grown = expm1(select(at.lower, T(-at.depth * p), p));
+    return select(at.lower, T(-at.X * grown), multiply_add(parabola, grown, parabola));
+  }
+  template <class T, class Mask>
+  MICROFACET_INLINE T below(const visible_depth<T, Mask>& at, const T& excess_over_density) const {
+    const place<T> here(at, *this);
+    return at.root * sqrt(T(2) * excess_over_density) * exp(value<pieces>(below_, here, here.piece));
+  }
+
+ private:
+  template <class T>
+  struct place {
+    elementary::integers<T> piece;
+    T x, depth;  // both in [-1, 1]
+
+    template <class Mask>
+    MICROFACET_INLINE place(const visible_depth<T, Mask>& at, const visible_start& s) {
+      using integers = elementary::integers<T>;
+      using elementary::bits;
+      using elementary::from_bits;
+      const T y = minimum(multiply_add(at.X, T(s.per_scale_), T(1)), T(255.99));
+      const integers above_one = elementary::wrapping_difference(integers(bits(y)), integers(one));
+      piece = above_one >> 22;
+      const T fraction = from_bits(integers((above_one & integers((1 << 22) - 1)) | integers(one)), y);
+      x = multiply_add(T(4), fraction, T(-5));
+      depth = multiply_add(minimum(at.root, select(at.lower, T(deepest_lower), T(deepest))),
+                           select(at.lower, T(2 / deepest_lower), T(2 / deepest)), T(-1));
+    }
+  };
+  static constexpr std::int32_t one = 0x3f800000;
+
+  // The second half of the rows belongs to slopes that lean away.
+  template <class Integers, class Mask>
+  MICROFACET_INLINE static Integers shifted(const Integers& piece, const Mask& lower) {
+    if constexpr (std::is_same_v<Mask, bool>) {
+      return piece + (lower ? 16 : 0);
+    } else {
+      return piece + select(lower, Integers(16), Integers(0));
+    }
+  }
+  template <std::size_t N, class Rows, class T>
+  MICROFACET_INLINE static T value(const Rows& rows, const place<T>& at, const elementary::integers<T>& i) {
+    T sum(0);
+    for (std::size_t k = of_depth; k-- > 0;) {
+      T row = lookup<N>(rows[of_x * k + of_x - 1], i);
+      for (std::size_t j = of_x - 1; j-- > 0;) row = multiply_add(row, at.x, lookup<N>(rows[of_x * k + j], i));
+      sum = multiply_add(sum, at.depth, row);
+    }
+    return sum;
+  }
+
+  alignas(64) std::array<std::array<float, 2 * pieces>, terms> above_{};
+  std::array<std::array<float, pieces>, terms> below_{};
+  float per_scale_{};
+};
+
+namespace detail {
+
+inline constexpr std::size_t most_points = 680;
+
+// A rising function by its points, in logarithms.
+class rising_curve {
+ public:
+  void add(double x, double y) {
+    if (!(x > 0) || !(y > 0) || (size_ > 0 && std::log(x) <= x_[size_ - 1])) return;
+    x_[size_] = std::log(x), y_[size_++] = std::log(y);
+  }
+  bool enough() const { return size_ > 3; }
+  double at(double x) const {
+    const double* const end = x_.data() + size_ - 1;
+    const auto i = static_cast<std::size_t>(std::upper_bound(x_.data() + 1, end, std::log(x)) - x_.data());
+    return std::exp(y_[i - 1] + (y_[i] - y_[i - 1]) / (x_[i] - x_[i - 1]) * (std::log(x) - x_[i - 1]));
+  }
+
+ private:
+  std::array<double, most_points> x_, y_;
+  std::size_t size_ = 0;
+};
+
+// The slopes of each depth that one direction sees, by the tables of a density.
+template <class Functions>
+class visible_curves {
+ public:
+  visible_curves(const Functions& f, double X, double scale) : X_(X), peak_(f.P2(0)), above_(0.5 * X + f.slope_excess(0)) {
+    J_ = f.slope_excess(X), P2_ = f.P2(X);
+    for (double g = -14; g < 40; g += 0.08) {
+      const double v = scale * std::exp(g), t = X + v;
+      if (const double N = t * f.slope_sf(v) + f.slope_excess(v); N > 1e-37) upper_.add(-std::log(N / above_), v);
+      if (const double N = v * f.slope_sf(t) + f.slope_excess(t); N > 1e-37 && N < J_) below_.add(-std::log(N / J_), v);
+    }
+    // What lies beyond x - d, summed from its end.
+    std::array<double, 320> d, N;
+    double density = P2_, from = 0, sum = 0;
+    for (std::size_t i = 0; i < d.size(); ++i) {
+      d[i] = X / (1 + std::exp(18 - 0.1 * static_cast<double>(i)));
+      const double there = f.P2(X - d[i]);
+      N[i] = sum + 0.25 * (density + there) * (d[i] - from) * (d[i] + from);
+      sum = N[i], from = d[i], density = there;
+    }
+    lower_part_ = sum;
+    for (std::size_t i = d.size() - 1; i-- > 0;) lower_.add(-std::log(N[i] / sum), -std::log(d[i] / X));
+  }
+  double X() const { return X_; }
+  bool complete() const { return upper_.enough() && lower_.enough(); }
+  bool seen_from_below() const { return J_ > 1e-30 && P2_ > 1e-37 && below_.enough(); }
+  // What the polynomials hold, and how much an error of it counts: less where little lies beyond.
+  double upper(double L) const { return std::log(upper_.at(L) / parabola(L)); }
+  double lower(double L) const { return lower_.at(L) / L; }
+  double below(double L) const { return std::log(below_.at(L) / std::sqrt(2 * L * J_ / P2_)); }
+  double weight_upper(double L) const { return std::cbrt(above_ / (X_ + J_) * std::exp(-L)); }
+  double weight_lower(double L) const {
+    const double rest = std::exp(-L * lower(L));  // of x
+    return std::cbrt(lower_part_ / (X_ + J_) * std::exp(-L)) * L * rest / (std::min)(rest, 1 - rest + 0.05 * above_ / (X_ * (X_ + J_)));
+  }
+  double weight_below(double L) const { return std::cbrt(std::exp(-L)); }
+
+ private:
+  double parabola(double L) const {
+    const double e = peak_ / above_, b = X_ * e;
+    return 2 * L / (b + std::sqrt(b * b + 2 * (b * b + e) * L));
+  }
+  double X_, peak_, above_, J_, P2_, lower_part_;
+  rising_curve upper_, lower_, below_;
+};
+
+// The points of [-1, 1] where Chebyshev's polynomial vanishes, and the powers of the interpolant there.
+template <std::size_t N>
+double chebyshev_node(std::size_t i) {
+  return std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / N);
+}
+template <std::size_t N>
+std::array<double, N> powers_at_nodes(const std::array<double, N>& values) {
+  std::array<double, N> node{}, powers{}, product{};
+  for (std::size_t i = 0; i < N; ++i) node[i] = chebyshev_node<N>(i);
+  std::array<double, N> divided = values;
+  for (std::size_t k = 1; k < N; ++k)
+    for (std::size_t i = N; i-- > k;) divided[i] = (divided[i] - divided[i - 1]) / (node[i] - node[i - k]);
+  product[0] = 1;
+  for (std::size_t k = 0; k < N; ++k) {
+    for (std::size_t j = 0; j < N; ++j) powers[j] += divided[k] * product[j];
+    for (std::size_t j = N; j-- > 0;) product[j] = (j > 0 ? product[j - 1] : 0) - node[k] * product[j];
+  }
+  return powers;
+}
+
+}  // namespace detail
+
+template <class Functions>
+void visible_start::build(const Functions& f) {
+  using curves = detail::visible_curves<Functions>;
+  const double scale = 2 * f.slope_excess(0);
+  peak = static_cast<float>(f.P2(0)), inverse_peak = 1 / peak, mean_excess = static_cast<float>(0.5 * scale);
+  per_scale_ = static_cast<float>(1 / scale);
+  steps = 0;
+  if (!(peak > 1e-30F && peak < 1e30F)) return;
+  const auto direction = [&](std::size_t piece, double u) {
+    const double y = std::exp2(static_cast<double>(piece / 2)) * ((piece % 2 ? 1.5 : 1) + (u + 1) / 4);
+    return curves(f, scale * (y - 1), scale);
+  };
+  double error = 0;
+  bool below = true;
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
+    const auto at_node = [&](std::size_t j) { return direction(piece, detail::chebyshev_node<of_x>(j)); };
+    const std::array<curves, of_x> at{at_node(0), at_node(1), at_node(2)};
+    for (const curves& c : at) {
+      if (!c.complete()) return;
+      below = below && c.seen_from_below();
+    }
+    const auto fill = [&](auto& rows, std::size_t column, auto member, double most) {
+      std::array<std::array<double, of_x>, of_depth> by_depth{};
+      for (std::size_t j = 0; j < of_x; ++j) {
+        std::array<double, of_depth> values{};
+        for (std::size_t k = 0; k < of_depth; ++k)
+          values[k] = (at[j].*member)(square(0.5 * most * (detail::chebyshev_node<of_depth>(k) + 1)));
+        const auto powers = detail::powers_at_nodes(values);
+        for (std::size_t k = 0; k < of_depth; ++k) by_depth[k][j] = powers[k];
+      }
+      for (std::size_t k = 0; k < of_depth; ++k) {
+        const auto powers = detail::powers_at_nodes(by_depth[k]);
+        for (std::size_t j = 0; j < of_x; ++j) rows[of_x * k + j][column] = static_cast<float>(powers[j]);
+      }
+    };
+    fill(above_, piece, &curves::upper, deepest), fill(above_, piece + pieces, &curves::lower, deepest_lower);
+    if (below) fill(below_, piece, &curves::below, deepest);
+    // Between the nodes, as far as float32 has uniform numbers.
+    for (const double u : {-0.5, 0.5}) {
+      const curves there = direction(piece, u);
+      for (double L = 1e-3; L < 17; L = 1.4 * L + 0.2) {
+        visible_depth<float, bool> depth{static_cast<float>(there.X()), static_cast<float>(L), static_cast<float>(std::sqrt(L)), false};
+        const auto differs = [&](const auto& rows, const curves& c, auto member, auto weight) {
+          const place<float> here(depth, *this);
+          constexpr std::size_t n = std::tuple_size_v<typename std::decay_t<decltype(rows)>::value_type>;
+          const double p = value<n>(rows, here, n > pieces ? shifted(here.piece, depth.lower) : here.piece);
+          error = (std::max)(error, std::abs(p - (c.*member)(L)) * (c.*weight)(L));
+        };
+        differs(above_, there, &curves::upper, &curves::weight_upper);
+        if (below && there.seen_from_below()) differs(below_, there, &curves::below, &curves::weight_below);
+        depth.lower = true;
+        differs(above_, there, &curves::lower, &curves::weight_lower);
+      }
+    }
+  }
+  steps = error < 0.03 ? 1 : error < 0.15 ? 2 : 0;
+}
+
+}  // namespace microfacet
