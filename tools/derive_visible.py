@@ -1,8 +1,8 @@
-"""Derive where Beckmann's visible slopes start: include/microfacet/special/coefficients/visible.hpp.
+"""Derive where the inversion of visible slopes starts: include/microfacet/special/coefficients/visible.hpp.
 
     python tools/derive_visible.py > include/microfacet/special/coefficients/visible.hpp
 
-The polynomials of smith/visible/started.hpp in X/(1.5 + X), X = abs(cot(theta)), and the root of the depth. A step
+Of K0 Lambert's W. Of Beckmann the polynomials of smith/visible/started.hpp in X/(1.5 + X), X = abs(cot(theta)), and the root of the depth. A step
 of Halley's method makes an error of 1e-2 one of 1e-7, so weighted least squares in double precision, whose weights
 follow the errors (Lawson), are near enough to the minimax. A slope may be off by a part of itself, or of the distance to its end, that
 grows as less probability lies beyond: what counts is the probability after the step.
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from remez import array
 from scipy.special import erfcx
 from surfaces import bivariate, bivariate_header
 
@@ -124,9 +125,37 @@ def lower() -> tuple[float, Array]:
     return fit((5, 6), x / (WIDTH + x), root, values, weights)
 
 
+def k0(largest: float, degree: int) -> tuple[float, list[float], list[float]]:
+    """g/s with (1 + g) exp(-g) = exp(-s^2/2) as a quotient whose numerator has one degree more, by Lawson's weights."""
+    s = largest * chebyshev(160) + 1e-6
+    ratio = solved(lambda g: g - np.log1p(g), s * s / 2, 0, 800) / s
+    small = s < 1e-2  # where that cancels
+    ratio[small] = (1 + s * (1 / 3 + s * (1 / 36 - s / 270)))[small]
+    weight, denominator, best = np.ones_like(s), np.ones_like(s), (np.inf, np.zeros(0), np.zeros(0))
+    unit = s / largest
+    for _ in range(ROUNDS):
+        scale = weight / (denominator * ratio)
+        above, below = unit[:, None] ** np.arange(degree + 2), unit[:, None] ** np.arange(1, degree + 1)
+        rows = np.hstack([above * scale[:, None], -below * (ratio * scale)[:, None]])
+        c = np.linalg.lstsq(rows, ratio * scale, rcond=None)[0]
+        denominator = 1 + below @ c[degree + 2 :]
+        errors = np.abs(above @ c[: degree + 2] / denominator / ratio - 1)
+        if errors.max() < best[0]:
+            powers = largest ** -np.arange(degree + 2.0)
+            best = errors.max(), c[: degree + 2] * powers, np.append(1.0, c[degree + 2 :] * powers[1 : degree + 1])
+        weight = weight * (errors / errors.max() + 1e-3) ** 0.3
+    return float(best[0]), list(best[1]), list(best[2])
+
+
 def text() -> str:
     """The header."""
     parts = []
+    for bits, kind, largest, degree in ((32, np.float32, 13.4, 3), (64, np.float64, 37.8, 4)):
+        error, numerator, denominator = k0(largest, degree)
+        comment = f"g/s with (1 + g) exp(-g) = exp(-s^2/2), s <= {largest}: relative error {error:.1e}"
+        numerator, denominator = ([float(f"{v:.10g}") for v in values] for values in (numerator, denominator))
+        parts.append(array(f"k0_excess_numerator_{bits}", comment, numerator, kind))
+        parts.append(array(f"k0_excess_denominator_{bits}", "", denominator, kind))
     for made in (upper, below, lower):
         error, c = made()
         comment = f"{(made.__doc__ or '').rstrip('.')}: error {error:.1e}"

@@ -18,6 +18,7 @@
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/special/bessel_k0.hpp"
+#include "microfacet/special/coefficients/visible.hpp"
 
 namespace microfacet {
 
@@ -109,15 +110,19 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
     }
     return exp(L);
   }
-  // g with (1 + g) exp(-g) = V: a branch of Lambert's W. Two steps of Halley's method on g - log(1 + g).
+  // g with (1 + g) exp(-g) = V, a branch of Lambert's W: in the root s of -2 log V it is s + s^2/3 + ... near 0 and
+  // s^2/2 + log(s^2/2) + ... far away. In double one step of Halley's method on g - log(1 + g) follows.
   static T excess_quantile(const T& V) {
-    const T L = -log(V), one = T(1) + L;
-    T g = select(L > T(2), T(L + log(one + log(one + log(T(1) + one)))), T(sqrt(T(2) * L) + T(2.0 / 3) * L));
-    for (int i = 0; i < 2; ++i) {
+    using namespace coefficients;
+    const T L = -log(V), s = sqrt(maximum(T(T(2) * L), T(0)));
+    const T g = s * polynomial(by_precision<T>(k0_excess_numerator_32, k0_excess_numerator_64), s) /
+                polynomial(by_precision<T>(k0_excess_denominator_32, k0_excess_denominator_64), s);
+    if constexpr (sizeof(typename scalar_traits<T>::real) == 4) {
+      return g;
+    } else {
       const T r = less_log1p(g) - L, more = T(1) + g;
-      g = g - T(2) * r * g * more / maximum(T(T(2) * g * g - r), smallest<T>());
+      return maximum(T(g - T(2) * r * g * more / maximum(T(T(2) * g * g - r), smallest<T>())), T(0));
     }
-    return maximum(g, T(0));
   }
   // g - log(1 + g), by its series where that cancels.
   static T less_log1p(const T& g) {

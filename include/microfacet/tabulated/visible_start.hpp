@@ -37,7 +37,9 @@ class visible_start {
     const place<T> here(at, *this);
     const T p = value<2 * pieces>(above_, here, shifted(here.piece, at.lower));
     const T grown = expm1(select(at.lower, T(-at.depth * p), p));
-    return select(at.lower, T(-at.X * grown), multiply_add(parabola, grown, parabola));
+    // Far from the density a slope that leans away no longer depends on X.
+    const T X = minimum(at.X, T(255 / per_scale_));
+    return select(at.lower, T(-X * grown), multiply_add(parabola, grown, parabola));
   }
   template <class T, class Mask>
   MICROFACET_INLINE T below(const visible_depth<T, Mask>& at, const T& excess_over_density) const {
@@ -56,7 +58,7 @@ class visible_start {
       using integers = elementary::integers<T>;
       using elementary::bits;
       using elementary::from_bits;
-      const T y = minimum(multiply_add(at.X, T(s.per_scale_), T(1)), T(255.99));
+      const T y = minimum(multiply_add(at.X, T(s.per_scale_), T(1)), T(256 - 0x1p-16));
       const integers above_one = elementary::wrapping_difference(integers(bits(y)), integers(one));
       piece = above_one >> 22;
       const T fraction = from_bits(integers((above_one & integers((1 << 22) - 1)) | integers(one)), y);
@@ -220,8 +222,8 @@ void visible_start::build(const Functions& f) {
     };
     fill(above_, piece, &curves::upper, deepest), fill(above_, piece + pieces, &curves::lower, deepest_lower);
     if (below) fill(below_, piece, &curves::below, deepest);
-    // Between the nodes, as far as float32 has uniform numbers.
-    for (const double u : {-0.5, 0.5}) {
+    // Between the nodes and at the ends, as far as float32 has uniform numbers.
+    for (const double u : {-0.98, -0.5, 0.5}) {
       const curves there = direction(piece, u);
       for (double L = 1e-3; L < 17; L = 1.4 * L + 0.2) {
         visible_depth<float, bool> depth{static_cast<float>(there.X()), static_cast<float>(L), static_cast<float>(std::sqrt(L)), false};

@@ -98,7 +98,7 @@ template <class Family, class T, class Shape>
 vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const vec3<T>& w, const T& xi0,
                                const T& xi1, const T& xi2, const T& xi3) {
   const Family& family = distribution.family();
-  if constexpr (closed_visible_sampling<Family>) { family.visible_facet(c, xi0, xi1); }) {
+  if constexpr (closed_visible_sampling<Family>) {
     return sample_visible(distribution, w, xi0, xi1, xi2);
   } else {
     const detail::standard_direction<T> seen(distribution.shape(), w);

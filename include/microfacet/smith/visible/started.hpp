@@ -45,31 +45,34 @@ class started_slope : visible_functions<Family, T> {
     // Where to start.
     const T e = T(starts.peak) * inverse, b = c * e, bend = T(2) * (b * b + e);
     const T parabola = T(2) * depth / (b + sqrt(multiply_add(bend, depth, T(b * b))) + smallest<T>());
-    T v = starts.above(at_depth, parabola), ratio = part * T(starts.inverse_peak);
+    T v = starts.above(at_depth, parabola), over_start = part * T(starts.inverse_peak);
     if (any_lane(!up)) {
-      const point from = at(start);
-      v = select(up, v, starts.below(at_depth, excess(from)));
-      ratio = select(up, ratio, excess(from));
+      const T ratio = excess(at(start));
+      v = select(up, v, starts.below(at_depth, ratio)), over_start = select(up, over_start, ratio);
     }
     v = minimum(maximum(v, T(0)), largest_slope<T>());
+
     const T least = maximum(T(X * T(0x1p-30)), T(smallest<T>() * T(4096)));
     for (int i = 0; i < starts.steps; ++i) {
-      // On the lower side v is -P, and P + x what is left of x.
-      const T t = start + v, d = maximum(select(lower, T(x - v), T(c + v)), least);
+      // On the lower side v is -P, and x + P what is left of x.
+      const T t = start + v, d = maximum(select(lower, T(x - v), T(c + v)), least), d2 = d * d;
       const point p = at(t);
-      T N = multiply_add(c, p.sf, moment(p));
+      // The probability of the side over P2(t), and what it is too much on the lower side.
+      const T over = over_density(p), difference = multiply_add(c, p.sf, -moment(p));
+      T N = select(lower, T(multiply_add(J, over, difference)), T(multiply_add(c, p.sf, moment(p))));
       if (any_lane(!up)) N = select(up, N, multiply_add(v, p.sf, excess(p)));
       T r;
       if constexpr (base::tabled) {
-        r = log(maximum(T(N * p.density), smallest<T>()) / maximum(beyond, smallest<T>()));
+        r = log(maximum(T(N * p.density), smallest<T>()) / maximum(select(lower, rest, beyond), smallest<T>()));
       } else {
-        r = depth - family_.log_density_ratio(start, v) + log(N / ratio);
+        const T exponent = select(lower, T(0), T(depth - family_.log_density_ratio(start, v)));
+        r = exponent + log(maximum(T(N / select(lower, T(rest * over), over_start)), smallest<T>()));
       }
-      const T bent = T(0.5) * score(p);
-      const T gained = r * N / bounded_slope(T(T(1) + r * (T(0.5) + bent * N / d)));
-      const T f = multiply_add(c, p.sf, -moment(p)) + (J - rest) * over_density(p);
-      const T lost = -f / bounded_slope(T(T(1) + bent * f / d));
-      const T d2 = d * d, change = minimum(maximum(select(lower, lost, gained), T(T(-0.48) * d2)), select(lower, d2, largest<T>()));
+      const auto near = lower & (d < v);
+      const T newton = select(near, T(difference + (J - rest) * over), T(r * N));
+      const T half = select(near, T(1), multiply_add(T(0.5), r, T(1))), bent = T(0.5) * score(p) * newton / d;
+      const T halley = newton / minimum(maximum(T(half + bent), T(0.5)), T(2));
+      const T change = maximum(minimum(select(lower, T(-halley), halley), select(lower, d2, largest<T>())), T(T(-0.48) * d2));
       const T moved = T(2) * change / (sqrt(multiply_add(T(2), change, d2)) + d);
       v = maximum(T(v + select(lower, T(-moved), moved)), T(0));
     }
@@ -89,7 +92,6 @@ class started_slope : visible_functions<Family, T> {
       return family_.slope_excess(slope<T>(X));
     }
   }
-  static T bounded_slope(const T& s) { return minimum(maximum(s, T(0.5)), T(2)); }
 };
 
 }  // namespace detail
