@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import microfacet as mf
+from hostile_cases import archive, x3p_index
 from microfacet._surface.read import slopes as slope_files
-from test_hostile_files import archive, x3p_index
 
 SIDE = 1500
 BYTES = 8 * SIDE * SIDE

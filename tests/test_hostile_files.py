@@ -20,14 +20,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import microfacet as mf
-from hostile_cases import HEIGHTS, archive, check_refused
+from hostile_cases import HEIGHTS, archive, check_refused, npy
 from limits import HANG
-
-
-def npy(array, **options):
-    stream = io.BytesIO()
-    np.lib.format.write_array(stream, np.asanyarray(array), **options)
-    return stream.getvalue()
 
 
 def npz(**arrays):

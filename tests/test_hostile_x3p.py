@@ -10,23 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import microfacet as mf
-from hostile_cases import HEIGHTS, archive, check_refused, x3p
+from hostile_cases import DATA, HEIGHTS, INDEX, archive, check_refused, x3p, x3p_index
 
-
-def x3p_index(nx, ny):
-    axes = "".join(
-        f"<{axis}><AxisType>{kind}</AxisType><DataType>D</DataType><Increment>1e-6</Increment></{axis}>"
-        for axis, kind in (("CX", "I"), ("CY", "I"), ("CZ", "A"))
-    )
-    return (
-        '<?xml version="1.0"?><p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"><Record1>'
-        f"<Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType><Axes>{axes}</Axes></Record1>"
-        f"<Record3><MatrixDimension><SizeX>{nx}</SizeX><SizeY>{ny}</SizeY><SizeZ>1</SizeZ></MatrixDimension>"
-        "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink></Record3></p:ISO5436_2>"
-    )
-
-
-INDEX, DATA = x3p_index(7, 6), HEIGHTS.tobytes()
 LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha">' + "".join(
     f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefghi", "bcdefghij", strict=True)
 )

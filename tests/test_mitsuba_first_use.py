@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 
 import mitsuba_process
-from test_mitsuba_build import STUB, VARIANT, Stub, stub
-
-__all__ = ["stub"]
+from mitsuba_stub import STUB, VARIANT, Stub
 
 
 def test_the_first_use_says_what_it_does(stub: Stub, capfd: pytest.CaptureFixture[str]) -> None:

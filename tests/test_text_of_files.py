@@ -16,9 +16,9 @@ from click.testing import CliRunner
 from rich.console import Console
 
 import microfacet as mf
+from hostile_cases import INDEX, archive, npy
 from microfacet._text import listed, printable
 from microfacet.cli import main, printing
-from test_hostile_files import INDEX, archive, npy
 
 CLEAR = "\x1b[2J\x1b]0;mine\x07"  # clears a terminal and names its window
 TURNED = "\u202egnp.exe"
