@@ -7,6 +7,7 @@ components as three arrays. They broadcast against each other, nothing is copied
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,6 +44,12 @@ def _components(owner: str, names: tuple[str, ...], given: list[Any]) -> list[An
     return parts
 
 
+def _applied(kernel: Any, variables: Sequence[Any], parameters: Sequence[Any], out: Any, where: Any) -> Any:
+    if out is None and where is True:  # options cost NumPy as much as a short calculation
+        return kernel(*variables, *parameters)
+    return kernel(*variables, *parameters, out=out, where=where)
+
+
 class Quantities:
     """The quantities of a distribution of normals; a subclass says which kernels compute them."""
 
@@ -62,8 +69,8 @@ class Quantities:
         return call
 
     def _of_slopes(self, quantity: str, slopes: tuple[ArrayLike, ...], out: Any, where: Any) -> Any:
-        call = self._call(quantity)
-        return call.kernel(*slopes, *call.numbers, out=out, where=where)
+        kernel, numbers, _ = self._call(quantity)
+        return _applied(kernel, slopes, numbers, out, where)
 
     def _of_directions(
         self, quantity: str, names: tuple[str, ...], given: tuple[ArrayLike | None, ...], out: Any, where: Any
@@ -74,11 +81,9 @@ class Quantities:
             if type(w) is not np.ndarray or w.shape[-1:] != (3,) or len(given) != len(names):
                 listed = [argument for argument in given if argument is not None]
                 parts = _components(f"{type(self).__name__}.{quantity}", names, listed)
-                return kernel(*parts, *numbers, out=out, where=where)
+                return _applied(kernel, parts, numbers, out, where)
             parts += (w[..., 0], w[..., 1], w[..., 2])
-        if out is None and where is True:
-            return kernel(*parts, *arrays)
-        return kernel(*parts, *arrays, out=out, where=where)
+        return _applied(kernel, parts, arrays, out, where)
 
     def D(
         self,
