@@ -21,33 +21,31 @@ namespace microfacet::bindings {
 namespace {
 
 // The functions on arrays, one step of lanes at a time.
-template <class Real>
 class called_distribution {
-  using L = lanes<Real>;
+  using L = lanes<double>;
   struct vectors {
-    std::array<Real, filled_up<Real>> x{}, y{}, z{};
+    std::array<double, filled_up<double>> x{}, y{}, z{};
   };
 
  public:
-  explicit called_distribution(const array_distribution<Real>& d) : d_(&d) {}
+  explicit called_distribution(const array_distribution<double>& d) : d_(&d) {}
   L D(const vec3<L>& m) const { return ask(quantity::D, m); }
   L sigma(const vec3<L>& w) const { return ask(quantity::sigma, w); }
 
  private:
   L ask(quantity q, const vec3<L>& w) const {
     vectors v;
-    std::array<Real, filled_up<Real>> result;
+    std::array<double, filled_up<double>> result;
     store(w.x, v.x.data()), store(w.y, v.y.data()), store(w.z, v.z.data());
     d_->call(q, width<L>, v, result.data());
     return load<L>(result.data());
   }
 
-  const array_distribution<Real>* d_;
+  const array_distribution<double>* d_;
 };
-template <class Real>
-struct on_arrays {
-  using distribution = called_distribution<Real>;
-  static distribution of(const array_distribution<Real>& d) { return distribution(d); }
+struct from_arrays {
+  using distribution = called_distribution;
+  static distribution of(const array_distribution<double>& d) { return distribution(d); }
 };
 
 // A kernel of single scattering, of a material by its fused kernels; or one of walks.
@@ -191,8 +189,7 @@ void run_constant(const material_call& call) {
   const auto with = [&]<class Compute>(Compute) {
     return call.ufunc.family.with<Compute>()(parameters.data(), &run_blocks<Compute, T>, data);
   };
-  if (std::is_same_v<T, float> && with(0.0F)) return;
-  if (with(0.0) || with(0.0F)) return;
+  if ((std::is_same_v<T, float> && with(0.0F)) || with(0.0)) return;
   for (std::size_t a = call.ufunc.inputs(); a < call.ufunc.inputs() + op.outputs; ++a)
     for (npy_intp i = 0; i < call.n; ++i) *reinterpret_cast<T*>(call.args[a] + i * call.steps[a]) = nan<T>();
 }
@@ -220,14 +217,9 @@ template <class Real>
 const fused_kernels<Real>& fused_kernels_on_tables() {
   return fused_kernels_of<known_distribution<tabulated_directions<Real>>, Real>;
 }
-template <class Real>
-const fused_kernels<Real>& fused_kernels_on_arrays() {
-  return fused_kernels_of<on_arrays<Real>, Real>;
-}
 template const fused_kernels<float>& fused_kernels_on_tables<float>();
 template const fused_kernels<double>& fused_kernels_on_tables<double>();
-template const fused_kernels<float>& fused_kernels_on_arrays<float>();
-template const fused_kernels<double>& fused_kernels_on_arrays<double>();
+const fused_kernels<double>& fused_kernels_on_arrays() { return fused_kernels_of<from_arrays, double>; }
 
 bool add_materials(PyObject* space, const material_family& family) {
   for (const material_operation& op : operations) {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -305,3 +306,19 @@ def test_every_random_number_gives_a_direction(answers: Answers, name: str) -> N
     assert np.all(np.isfinite(wo))
     length = np.linalg.norm(wo, axis=-1)
     assert np.all(np.abs(length[weight.max(axis=-1) > 0.0] - 1.0) < 1e-5)
+
+
+def test_walks_among_very_many_facets_end_by_roulette(tmp_path: Path) -> None:
+    """Not by a bound: from the 1,025th facet on every second walk goes on and counts twice, as ours do."""
+    n, alpha = 4000, 320.0
+    up = np.broadcast_to(np.array([0.0, 0.0, 1.0], np.float32), (n, 3))
+    xi = np.random.default_rng(5).random((n, 3)).astype(np.float32)
+    mirror = {"type": OURS["conductor"], "alpha": alpha, "scattering": "multiple"}
+    answers = mitsuba_answers.ask({"mirror": {"bsdf": mirror}}, LLVM, tmp_path, wi=up, wo=up, xi=xi, uv=xi[:, :2])
+    weight = answers["mirror"]["weight"][:, 0]
+    expected = mf.Conductor(mf.GGX(alpha=alpha), scattering="multiple").walk(up, rng=1)[1]
+    assert set(np.unique(weight)) <= {0.0, *2.0 ** np.arange(20)}
+    for value in (0.0, 1.0, 2.0, 4.0):
+        share = np.mean(expected == value)
+        assert share > 0.01
+        assert abs(np.mean(weight == value) - share) < 6.0 * np.sqrt(share / n)

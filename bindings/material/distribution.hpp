@@ -64,11 +64,10 @@ class array_distribution {
 template <class Real>
 using tabulated_directions = ndf<tabulated<lanes<Real>>, lanes<Real>, anisotropic_shape<lanes<Real>>>;
 // Fused kernels that are compiled once, in materials.cpp: on the tables of any density, and on the functions on arrays,
-// for densities without good tables.
+// for densities without good tables, in double precision alone.
 template <class Real>
 const fused_kernels<Real>& fused_kernels_on_tables();
-template <class Real>
-const fused_kernels<Real>& fused_kernels_on_arrays();
+const fused_kernels<double>& fused_kernels_on_arrays();
 
 // A family for materials: its parameters, and its distributions made for the length of a call. `then` is not called, and
 // the result false, where arithmetic in Real does not serve these parameters.

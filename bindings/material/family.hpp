@@ -59,34 +59,38 @@ struct kernels_for_materials {
           d.functions[k] = {kernels.constant, own};
         }
       }
-      if (!d.has(quantity::D) || !d.has(quantity::sigma) || !d.has(quantity::visible)) return false;
       then(d, data);
       return true;
     };
-    const auto run_with_own = [&](const void* one_register, const void* two_registers) {
-      if constexpr (family::float32_arithmetic || std::is_same_v<Real, double>) {
-        const auto own = constant_distribution<Model, lanes<Real>>(numbers);
-        if constexpr (family::tabulate == 0) {
-          d.fused = &fused_kernels_of<known_distribution<std::remove_const_t<decltype(own)>>, Real>;
-          d.fused_distribution = &own;
+    if constexpr (family::tabulate == 0) {
+      const auto own = constant_distribution<Model, lanes<Real>>(numbers);
+      d.fused = &fused_kernels_of<known_distribution<std::remove_const_t<decltype(own)>>, Real>;
+      d.fused_distribution = &own;
+      return run(&own, nullptr, nullptr);
+    } else {
+      const auto run_on = [&](const void* one_register, const void* two_registers) {
+        if constexpr (family::float32_arithmetic || std::is_same_v<Real, double>) {
+          const auto own = constant_distribution<Model, lanes<Real>>(numbers);
+          return run(&own, one_register, two_registers);
+        } else {
+          return run(nullptr, one_register, two_registers);
         }
-        return run(&own, one_register, two_registers);
-      } else {
-        return run(nullptr, one_register, two_registers);
-      }
-    };
-    if constexpr (family::tabulate != 0) {
+      };
       const auto tables = tables_of<Model, Real>(numbers.data(), visible_sample::functions);
       if (tables != nullptr) {
         const auto one = tabulated_distribution<Model, lanes<Real>>(*tables, numbers);
         const auto two = tabulated_distribution<Model, lanes<Real, most_registers>>(*tables, numbers);
         static_assert(std::is_same_v<decltype(one), const tabulated_directions<Real>>);
         d.fused = &fused_kernels_on_tables<Real>(), d.fused_distribution = &one;
-        return run_with_own(&one, &two);
+        return run_on(&one, &two);
       }
-      d.fused = &fused_kernels_on_arrays<Real>();
+      if constexpr (std::is_same_v<Real, double>) {
+        d.fused = &fused_kernels_on_arrays();
+        return run_on(nullptr, nullptr);
+      } else {
+        return false;
+      }
     }
-    return run_with_own(nullptr, nullptr);
   }
 };
 

@@ -28,8 +28,8 @@ struct single_scattering {
     while (b.next()) {
       const materials made(b, 6);
       for (int i = 0; i < b.padded; i += width<L>) {
-        const vec3<L> wo = b.template direction<L>(3, i);
-        write(microfacet::eval(made[i], ndf, wi(b, i), wo, correlated, radiance), b, 0, i);
+        const pair given(made[i], wi(b, i), b.template direction<L>(3, i));
+        write(given.eval(ndf, correlated, radiance), b, 0, i);
       }
     }
   }
@@ -41,7 +41,7 @@ struct single_scattering {
       const materials made(b, 6);
       for (int i = 0; i < b.padded; i += width<L>) {
         const vec3<L> from = wi(b, i), wo = b.template direction<L>(3, i);
-        write(bounded ? bounded_density(ndf, from, wo) : microfacet::pdf(made[i], ndf, from, wo), b, 0, i);
+        write(bounded ? bounded_density(ndf, from, wo) : pair(made[i], from, wo).pdf(ndf), b, 0, i);
       }
     }
   }

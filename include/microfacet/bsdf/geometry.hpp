@@ -68,14 +68,14 @@ template <class T, class Mask>
 half_vector<T> select(const Mask& mask, const half_vector<T>& a, const half_vector<T>& b) {
   return {select(mask, a.m, b.m), select(mask, a.cosine, b.cosine)};
 }
-// Of the facet that reflects wi into wo. Its normal is wi + wo as it stands, since distributions look at slopes alone;
+// Gives the facet that reflects wi into wo. Its normal is wi + wo as it stands, since distributions look at slopes alone;
 // the length of that is twice the cosine. wo = -wi has no such facet, and 0 is a normal of density 0.
 template <class T>
 half_vector<T> half_vector_reflection(const vec3<T>& wi, const vec3<T>& wo) {
   const vec3<T> sum = axpy(wi, wo, T(1));
   return {sum, T(T(0.5) * sqrt(dot(sum, sum)))};
 }
-// Of the facet that refracts wi into wo, of unit length, on the side of wi; such a facet exists where wo lies on its
+// Gives the facet that refracts wi into wo, of unit length, on the side of wi; such a facet exists where wo lies on its
 // other side. Where wi + eta wo is 0 the normal is one that no facet has.
 template <class T>
 half_vector<T> half_vector_transmission(const vec3<T>& wi, const vec3<T>& wo, const T& eta) {

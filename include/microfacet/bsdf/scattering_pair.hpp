@@ -75,7 +75,7 @@ class scattering_pair {
   template <class Distribution>
   T eval(const Distribution& ndf, bool correlated, bool radiance) const {
     const half m = half_vector();
-    const facet_statistics<T> at = statistics(ndf, m.m);
+    const facet_statistics<T> at = statistics_of(ndf, wi_, wo_, m.m);
     return inside(share(leaving(at, correlated, radiance), phase(m, at)));
   }
   // The density of all directions that the visible normals give, also of those that no light leaves in.

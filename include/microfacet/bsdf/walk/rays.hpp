@@ -1,4 +1,4 @@
-// What random walks carry along, side by side in arrays: those that end make room for the others.
+// What random walks carry along, side by side in arrays; those that end make room for the others.
 #pragma once
 
 #include <algorithm>
