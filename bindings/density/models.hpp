@@ -59,8 +59,9 @@ struct stretched_model {
   static Lanes each_lane(const double_double<Lanes>& x, const Function& function) {
     using real = typename scalar_traits<Lanes>::real;
     std::array<real, sizeof(Lanes) / sizeof(real)> high, low;
+    const Lanes rest = low_of(x);
     std::memcpy(high.data(), &x.high, sizeof x.high);
-    std::memcpy(low.data(), &x.low, sizeof x.low);
+    std::memcpy(low.data(), &rest, sizeof rest);
     for (std::size_t i = 0; i < high.size(); ++i)
       high[i] = static_cast<real>(function(static_cast<double>(high[i]) + static_cast<double>(low[i])));
     Lanes result;
