@@ -12,7 +12,7 @@
 #include "bindings/density/fork_safe_lock.hpp"
 #include "bindings/density/operations.hpp"
 #include "microfacet/tabulated/user_density.hpp"
-#include "microfacet/tabulated/user_density_tables.hpp"
+#include "microfacet/tabulated/tabulated.hpp"
 
 namespace microfacet::bindings {
 
@@ -150,13 +150,13 @@ inline PyObject* build_radial(PyObject*, PyObject* arguments) {
       return Py_BuildValue("(Odd)", Py_None, family->norm(), 0.0);
     auto entry = std::make_shared<radial_entry>();
     entry->wide.build(*family);
-    const double error = entry->wide.error();
+    const double error = entry->wide.error().error;
     return Py_BuildValue("(Ndd)", registered(std::move(entry)), family->norm(), error);
   });
 }
 
 // Tables are plain values: their bytes, behind a word that says which layout.
-inline constexpr std::array<char, 16> radial_magic{"microfacet rad1"};
+inline constexpr std::array<char, 16> radial_magic{"microfacet rad2"};
 
 inline PyObject* dump_radial(PyObject*, PyObject* handle) {
   const double number = PyFloat_AsDouble(handle);

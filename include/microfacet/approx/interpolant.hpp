@@ -106,14 +106,15 @@ class sampled_function {
 struct fit_range {
   double lower, upper, inside, at_zero, least, central;
   bool roots = false;
+  double noise = 0, order = 1;  // f is known to (noise/f)^order, relatively
 };
 
 // The last L on the way from one to another up to which inside(L, f) holds, if it does at `from`: by
-// sections, all points of one at a time.
+// sections, all points of one at a time, to 16^-rounds of the way.
 template <class Inside>
-double reach(const sampled_function& sample, double from, double to, const Inside& inside) {
+double reach(const sampled_function& sample, double from, double to, int rounds, const Inside& inside) {
   constexpr std::size_t points = 16;
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     std::array<double, points> at, f;
     for (std::size_t i = 0; i < points; ++i) at[i] = from + (to - from) * static_cast<double>(i + 1) / points;
     sample(at.data(), f.data(), points);
@@ -126,7 +127,8 @@ double reach(const sampled_function& sample, double from, double to, const Insid
   return from;
 }
 
-// log(f/reference) of L on [centre - half, centre + half] by values in N nodes.
+// log(f/reference) of L on [centre - half, centre + half] by values in N nodes; where f is not positive
+// there, no fit. The error is measured where it is largest: at some extrema of T_N, the ends among them.
 template <class T, std::size_t N>
 struct interpolant {
   using limits = fit_precision<T>;
@@ -144,11 +146,10 @@ struct interpolant {
     return (size > central ? limits::far_error : limits::error) + limits::rounding * (size + std::abs(swing));
   }
 
-  static interpolant fit(const sampled_function& sample, double a, double b, double central) {
+  static interpolant fit(const sampled_function& sample, double a, double b, const fit_range& range) {
     interpolant p;
     p.centre = on_grid(0.5 * (a + b));
-    p.half = p.centre - a;
-    // The nodes, and where the error is largest: some extrema of T_N, the ends among them.
+    p.half = (std::min)(p.centre - a, b - p.centre);  // no node lies beyond an end
     constexpr std::array<std::size_t, 5> extrema{0, 1, N / 2, N - 1, N};
     constexpr std::size_t points = N + extrema.size();
     std::array<double, points> at, f, t;
@@ -167,16 +168,18 @@ struct interpolant {
       for (std::size_t j = 0; j < N; ++j) sum += t[j] * waves[k * (2 * j + 1) % (4 * N)];
       p.chebyshev[k] = sum * (k == 0 ? 1.0 : 2.0) / static_cast<double>(N);
     }
+    // Of the values the one nearest 1, as near as it comes.
+    const double size = (std::min)(std::abs(std::log(f.front())), std::abs(std::log(f[N - 1])));
+    const double bound = allowed(std::exp(size), swing, range.central);
     for (std::size_t j = N; j < points; ++j) {
       double error = -t[j];
       for (std::size_t k = 0; k < N; ++k) error += p.chebyshev[k] * waves[2 * k * extrema[j - N] % (4 * N)];
-      if (!(std::abs(error) <= worst)) worst = std::abs(error);  // a nan stays
+      const double excess = std::abs(error) / (bound + std::pow(range.noise / f[j], range.order));
+      if (!(excess <= worst)) worst = excess;  // a nan stays
     }
-    // Of the values the one nearest 1, as near as it comes.
-    const double size = (std::min)(std::abs(std::log(f.front())), std::abs(std::log(f[N - 1])));
-    p.wide = std::pow(swing / (size > central ? limits::far_swing : limits::swing), static_cast<double>(N));
-    const double excess = worst / allowed(std::exp(size), swing, central);
-    if (excess < p.excess) p.excess = excess;
+    p.wide =
+        std::pow(swing / (size > range.central ? limits::far_swing : limits::swing), static_cast<double>(N));
+    if (worst < p.excess) p.excess = worst;
     return p;
   }
 

@@ -18,18 +18,10 @@
 #include "microfacet/special/bivariate.hpp"
 #include "microfacet/special/coefficients/visible.hpp"
 #include "microfacet/special/erf.hpp"
-#include "microfacet/tabulated/visible_tables.hpp"
 
 namespace microfacet {
 
 namespace detail {
-// Made when a program that draws from it starts, so that no thread waits for another's first call.
-template <class Family>
-inline const visible_table<float> beckmann_excess_radius = excess_radius_table(Family());
-template <class T>
-inline constexpr bool reads_excess_table =
-    elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 4;
-
 // Where smith/visible/started.hpp starts.
 struct beckmann_start {
   static constexpr int steps = 1;
@@ -64,9 +56,11 @@ struct beckmann_start {
 }  // namespace detail
 
 template <class T>
-class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
-                                               part::quantile_across | part::mixture_sampling | part::started_inversion |
-                                               (detail::reads_excess_table<T> ? part::excess_quantile : 0U)> {
+class beckmann
+    : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
+                                    part::quantile_across | part::mixture_sampling | part::started_inversion |
+                                    (sizeof(typename scalar_traits<T>::real) == 4 ? part::excess_quantile
+                                                                                  : 0U)> {
  public:
   static constexpr std::string_view name = "beckmann";
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
@@ -138,11 +132,10 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma 
   // The slope across the plane of incidence is independent of that in it.
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
   // For smith/visible/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
-  bool samples_from_tables() const { return true; }
   T excess_radius(const T& v) const
-    requires detail::reads_excess_table<T>
+    requires(single)
   {
-    return detail::beckmann_excess_radius<beckmann<double>>(double_double<T>(v));
+    return ierfc_quotient_inverse(v);
   }
   T moment_beyond(const T& t, const T& xi) const { return sqrt(t * t - log1p(-xi)); }
   T across_of_tables(const T&, const T& xi, const T&) const { return across_by_quantile(xi); }

@@ -15,7 +15,7 @@
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
-#include "microfacet/family/spherical_cap.hpp"
+#include "microfacet/special/spherical_cap.hpp"
 
 namespace microfacet {
 

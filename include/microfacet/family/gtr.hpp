@@ -18,8 +18,8 @@
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/family/gtr_marginal.hpp"
 #include "microfacet/family/radial.hpp"
+#include "microfacet/special/gtr_marginal.hpp"
 
 namespace microfacet {
 
@@ -113,7 +113,7 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
   // weight.
   static T log_mean_exp(const T& weight, const T& rest, const T& x, const T& phi) {
     const T change = weight * x * phi;
-    const auto lost = change<T(-0.5), large = x> T(80);
+    const auto lost = (change < T(-0.5)), large = (x > T(80));
     const T shrunk = log(rest + weight * exp(x)) / select(lost, x, T(1));
     const T grown = T(1) + log(weight + rest * exp(-x)) / select(large, x, T(1));
     const T between = weight * phi * log1p_over(select(lost | large, T(0), change));

@@ -10,7 +10,7 @@
 
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/family/slope.hpp"
+#include "microfacet/core/slope.hpp"
 
 namespace microfacet {
 
@@ -70,7 +70,9 @@ concept started_inversion = requires(const F f, typename F::scalar t) { f.start(
 template <class F>
 concept mixture_sampling = requires(const F f, typename F::scalar t) { f.moment_beyond(t, t); f.across_of_tables(t, t, t); };
 template <class F>
-concept excess_quantile = requires(const F f, typename F::scalar v) { f.excess_radius(v); f.samples_from_tables(); };
+concept excess_quantile = requires(const F f, typename F::scalar v) { f.excess_radius(v); };
+template <class F>  // tables from which iterations start: their error is not bounded
+concept tabulated_inverses = requires(const F f) { f.visible(); };
 template <class F>  // whether P2 falls everywhere, for these parameters; elsewhere it does for all
 concept conditional_fall = requires(const F f) { f.falls(); };
 template <class F>  // whether float32 reaches all slopes that are drawn at this shape
@@ -82,7 +84,7 @@ enum parts : unsigned {
   scaled_excess = 1 << 5, scaled_sigma = 1 << 6, facet_sampling = 1 << 7, bounded_facet_sampling = 1 << 8,
   slope_sampling = 1 << 9, special_slope_sampling = 1 << 10, quantile_across = 1 << 11, tail_quotients = 1 << 12,
   mixture_sampling = 1 << 13, excess_quantile = 1 << 14, conditional_fall = 1 << 15, float32_sampling_range = 1 << 16,
-  started_inversion = 1 << 17
+  started_inversion = 1 << 17, tabulated_inverses = 1 << 18
 };
 }
 
@@ -99,7 +101,7 @@ concept has_the_parts_it_states =
     agrees<F, part::special_slope_sampling, special_slope_sampling<F>> &&
     agrees<F, part::quantile_across, quantile_across<F>> && agrees<F, part::tail_quotients, tail_quotients<F>> &&
     agrees<F, part::mixture_sampling, mixture_sampling<F>> && agrees<F, part::excess_quantile, excess_quantile<F>> &&
-    agrees<F, part::conditional_fall, conditional_fall<F>> &&
+    agrees<F, part::tabulated_inverses, tabulated_inverses<F>> && agrees<F, part::conditional_fall, conditional_fall<F>> &&
     agrees<F, part::float32_sampling_range, float32_sampling_range<F>> &&
     agrees<F, part::started_inversion, started_inversion<F>>;
 

@@ -18,8 +18,8 @@
 #include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
-#include "microfacet/family/spherical_cap.hpp"
 #include "microfacet/special/gamma.hpp"
+#include "microfacet/special/spherical_cap.hpp"
 #include "microfacet/special/student.hpp"
 
 namespace microfacet {

@@ -26,11 +26,18 @@ struct radial_error {
   double error = 0, far_error = 0;
 };
 
-template <class T>
+// Tables that are searched are for densities that are smooth only piecewise; they hold no more than the
+// functions of radial_family.
+template <class T, class Location = by_map<T>>
 class radial_tables {
+  struct none {
+    template <class Family>
+    void build(const Family&) {}
+  };
+
  public:
-  static constexpr bool single = sizeof(T) == 4;
-  using table = piecewise<T, single ? 8 : 18>;
+  static constexpr bool single = sizeof(T) == 4, searches = Location::searches, always_composes = false;
+  using table = piecewise<T, single || searches ? 8 : 18, Location>;
 
   table root_D;        // sqrt(P22) (1 + r2) at r2: D(z, h2) = (root_D(h2/z^2)/(z^2 + h2))^2 stays away from 0
   table survival;      // at r2
@@ -38,13 +45,13 @@ class radial_tables {
   table root_P2;       // the square root of P2 at t > 0
   table slope_sf;      // at t > 0
   table slope_excess;  // at t^2
-  visible_tables<T> visible;
+  std::conditional_t<searches, none, visible_tables<T>> visible;
 
   // From a family in double precision, scalar or pack.
   template <class Family>
   void build(const Family& family, unsigned functions = of_all);
 
-  radial_error error(unsigned functions) const {
+  radial_error error(unsigned functions = of_all) const {
     radial_error e;
     each(functions, [&e](const table& t) {
       e.error = (std::max)(e.error, t.error), e.far_error = (std::max)(e.far_error, t.far_error);
@@ -117,15 +124,23 @@ class radial_samples {
   R slope_sf(const R& L) const { return family_.slope_sf(slope<R>(elementary::exp(L))); }
   R slope_excess(const R& L) const { return family_.slope_excess(slope<R>(elementary::exp(R(R(0.5) * L)))); }
 
-  // Above the median xi = 1 - rest loses what rest has: Newton's method on log survival against log r^2.
   R radius(const R& L) const {
-    const R odds = elementary::exp(L), xi = minimum(R(odds / (R(1) + odds)), R(1 - 0x1p-53));
-    R start;
-    if constexpr (direct_radius<Family>) {
-      start = family_.radius(xi);
+    const R odds = elementary::exp(L);
+    if constexpr (radius_by_odds<Family>) {
+      return family_.radius_at_odds(odds);
     } else {
-      start = sqrt(family_.radius2(xi));
+      const R xi = minimum(R(odds / (R(1) + odds)), R(1 - 0x1p-53));
+      if constexpr (direct_radius<Family>) {
+        return refined(family_.radius(xi), L, odds);
+      } else {
+        return refined(sqrt(family_.radius2(xi)), L, odds);
+      }
     }
+  }
+
+ private:
+  // Above the median xi = 1 - rest loses what rest has: Newton's method on log survival against log r^2.
+  R refined(const R& start, const R& L, const R& odds) const {
     const auto refine = [&] {
       R M = R(2) * log(start);
       for (int i = 0; i < 4; ++i) {
@@ -138,27 +153,29 @@ class radial_samples {
     };
     return select_lazy((L > R(0)) & (start < R(1e100)), refine, [&] { return start; });
   }
-
- private:
   static double_double<R> square_of(const R& r) { return two_prod(r, r); }
   const Family& family_;
 };
 
 }  // namespace detail
 
-template <class T>
+template <class T, class Location>
 template <class Family>
-void radial_tables<T>::build(const Family& family, unsigned functions) {
+void radial_tables<T, Location>::build(const Family& family, unsigned functions) {
   using R = typename Family::scalar;
   // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
-  constexpr double least = single ? -87 : -700, slope_end = single ? 20 : 40, square_end = 2 * slope_end;
+  constexpr double slope_end = searches ? (single ? 43 : 60) : (single ? 20 : 40);
+  constexpr double least = single ? -87 : -700, square_end = 2 * slope_end;
   constexpr double tiny = static_cast<double>((std::numeric_limits<T>::min)()),
                    tiny_root = single ? 1e-22 : 1e-150;
   constexpr double central = single ? 20 : 50;
   // Smaller odds than exp(-680) leave the inversion no digits.
   constexpr double least_odds = single ? least : -680;
   const detail::radial_samples<Family> samples(family);
-  const auto fill = [](table& t, const auto& function, const fit_range& range) {
+  const auto fill = [](table& t, const auto& function, fit_range range) {
+    // What a user's density below 1e-300 would have added.
+    if (searches && range.least > 1e-200) range.noise = 1e-149, range.order = 2;  // of roots
+    if (searches && range.least < 1e-200) range.noise = 1e-298;
     const auto sample = [&](const double* L, double* f, std::size_t n) {
       detail::in_lanes<R>(L, f, n, function);
     };
@@ -166,13 +183,15 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
   };
   const auto at_zero = [](const R& value) { return detail::first_lane(value); };
   const R zero(0);
+  // A density that is searched may vanish towards 0.
+  const double middle = searches ? 2 * std::log(at_zero(samples.radius(zero))) : least;
   if (functions & of_P22)
     fill(root_D, [&](const R& L) { return samples.root_D(L); },
-         {least, square_end, least, std::sqrt(at_zero(family.P22(double_double<R>(zero)))),
-          single ? tiny : 1e-160, central, true});
+         {least, square_end, middle, std::sqrt(at_zero(family.P22(double_double<R>(zero)))),
+          single ? tiny : 1e-160, central, !searches});
   if (functions & of_survival)
     fill(survival, [&](const R& L) { return samples.survival(L); },
-         {least, square_end, least, 1, tiny, central, true});
+         {least, square_end, least, 1, tiny, central, !searches});
   if (functions & of_radius)
     fill(radius, [&](const R& L) { return samples.radius(L); },
          {least_odds, single ? 17 : 37, 0, 0, single ? tiny : 1e-290, central});
@@ -187,9 +206,13 @@ void radial_tables<T>::build(const Family& family, unsigned functions) {
          {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
   if (functions & of_visible) {
     visible.build(family);
-    if constexpr (single)
+    if constexpr (single && !searches)
       if (visible.complete) visible.start.build(detail::functions_at_numbers{*this});
   }
 }
+
+// Of densities of the user's own.
+template <class T>
+using user_density_tables = radial_tables<T, by_search<T, 512>>;
 
 }  // namespace microfacet

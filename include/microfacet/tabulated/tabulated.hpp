@@ -1,9 +1,8 @@
-// A density whose shape parameters are fixed, prepared: whatever its family, it costs the same, from tables
-// that are built once.
+// A density as tables: whatever it is, it costs the same.
 //
 //   radial_tables<float> tables;
 //   tables.build(bessel_k<double>(0.7), of_P22 | of_slope_excess);
-//   prepared<pack<float, 64>> density(tables);  // a radial_family on packs
+//   tabulated<pack<float, 64>> density(tables);  // a radial_family on packs
 #pragma once
 
 #include <array>
@@ -16,24 +15,34 @@
 
 namespace microfacet {
 
+namespace detail {
+
+template <class Tables>
+inline constexpr unsigned parts_of_tables =
+    part::scaled_P2 | part::direct_radius | part::radius_by_odds | part::scaled_sigma |
+    (Tables::searches ? 0U
+                      : part::P22_by_slope | part::survival_by_slope | part::tabulated_inverses |
+                            part::mixture_sampling | (Tables::single ? part::excess_quantile : 0U));
+
+}  // namespace detail
+
 // On scalars R, from tables that must outlive it.
 template <class R, class Tables = radial_tables<typename scalar_traits<R>::real>>
-class tabulated
-    : public radial_defaults<R, part::scaled_P2 | part::P22_by_slope | part::survival_by_slope |
-                                    part::direct_radius | part::radius_by_odds | part::scaled_sigma |
-                                    part::mixture_sampling | (Tables::single ? part::excess_quantile : 0U)> {
+class tabulated : public radial_defaults<R, detail::parts_of_tables<Tables>> {
  public:
   using tables = Tables;
   static constexpr std::string_view name = "tabulated";
   static constexpr std::array<std::string_view, 0> sources{};
-  static constexpr bool always_composes = requires { requires tables::always_composes; };
+  static constexpr bool always_composes = tables::always_composes, inverts = !tables::searches;
 
   explicit tabulated(const tables& t) : t_(&t) {}
 
   MICROFACET_INLINE R P22(const double_double<R>& r2) const {
     return square(R(t_->root_D(r2) / (R(1) + r2.high)));
   }
-  MICROFACET_INLINE R P22_of_slope(const R& r) const {
+  MICROFACET_INLINE R P22_of_slope(const R& r) const
+    requires inverts
+  {
     return square(R(t_->root_D.of_root(r) / (R(1) + r * r)));
   }
   MICROFACET_INLINE R D(const R& z_argument, const double_double<R>& h2) const {
@@ -41,7 +50,9 @@ class tabulated
     const double_double<R> z2 = two_prod(z, z);
     return square(R(t_->root_D(ratio(h2, z2, R(R(1) / z2.high))) / (z2.high + h2.high)));
   }
-  MICROFACET_INLINE R survival_of_slope(const R& r) const {
+  MICROFACET_INLINE R survival_of_slope(const R& r) const
+    requires inverts
+  {
     return minimum(R(t_->survival.of_root(r)), R(1));
   }
   MICROFACET_INLINE R survival(const double_double<R>& r2) const {
@@ -57,20 +68,32 @@ class tabulated
     return t_->radius(double_double<R>((R(1) - rest) / rest));
   }
   MICROFACET_INLINE R radius_at_odds(const R& odds) const { return t_->radius(double_double<R>(odds)); }
-  MICROFACET_INLINE const auto& visible() const { return t_->visible; }
+  MICROFACET_INLINE const auto& visible() const
+    requires inverts
+  {
+    return t_->visible;
+  }
   // For smith/visible/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
-  MICROFACET_INLINE bool samples_from_tables() const { return t_->visible.complete; }
+  MICROFACET_INLINE bool samples_from_tables() const
+    requires inverts
+  {
+    return t_->visible.complete;
+  }
   MICROFACET_INLINE R excess_radius(const R& v) const
-    requires(tables::single)
+    requires(inverts && tables::single)
   {
     return t_->visible.excess_radius(double_double<R>(v));
   }
-  MICROFACET_INLINE R moment_beyond(const R& t, const R& xi) const {
+  MICROFACET_INLINE R moment_beyond(const R& t, const R& xi) const
+    requires inverts
+  {
     const auto& v = t_->visible;
     const R odds = R(v.first_moment) / (v.moment(double_double<R>(t)) * (R(1) - xi)) - R(1);
     return maximum(R(v.moment_radius(double_double<R>(minimum(odds, R(1e37))))), t);
   }
-  MICROFACET_INLINE R across_of_tables(const R& along, const R& xi, const R& turn) const {
+  MICROFACET_INLINE R across_of_tables(const R& along, const R& xi, const R& turn) const
+    requires inverts
+  {
     const auto& v = t_->visible;
     const R density = maximum(P2(slope<R>(along)), smallest<R>()), start(v.inverse_P2);
     const R inverse = minimum(R(R(1) / (density * (R(1) - xi)) - start), R(1e37));
@@ -106,6 +129,11 @@ class tabulated
   const tables* t_;
 };
 
-static_assert(radial_family<tabulated<float>> && radial_family<tabulated<double>>);
+// A density of the user's own.
+template <class R>
+using tabulated_user_density = tabulated<R, user_density_tables<typename scalar_traits<R>::real>>;
+
+static_assert(radial_family<tabulated<float>> && radial_family<tabulated<double>> &&
+              radial_family<tabulated_user_density<float>> && radial_family<tabulated_user_density<double>>);
 
 }  // namespace microfacet

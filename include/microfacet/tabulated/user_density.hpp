@@ -14,7 +14,6 @@
 #include <numbers>
 #include <string_view>
 
-#include "microfacet/approx/piecewise_many.hpp"
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
@@ -22,8 +21,9 @@
 
 namespace microfacet {
 
-class user_density : public radial_defaults<double, part::P22_by_slope | part::direct_radius>,
-                     detail::user_density_panels {
+class user_density
+    : public radial_defaults<double, part::P22_by_slope | part::direct_radius | part::radius_by_odds>,
+      detail::user_density_panels {
  public:
   static constexpr std::string_view name = "user_density";
   static constexpr std::array<std::string_view, 0> sources{};
@@ -32,7 +32,7 @@ class user_density : public radial_defaults<double, part::P22_by_slope | part::d
   user_density(const sampled_function& density, double lower, double upper, double at_zero, bool known,
                const sampled_function& above)
       : user_density_panels(density, lower, upper, at_zero), known_(known) {
-    if (known) survival_ = piecewise_many_fit<double>(above, {lower, lower, upper, 1, 1e-300})();
+    if (known) survival_ = table_of(above, lower, upper, 1);
   }
 
   double norm() const { return norm_; }  // the integral over the plane; inf or nan where there is none
@@ -53,7 +53,7 @@ class user_density : public radial_defaults<double, part::P22_by_slope | part::d
     return r == 0 ? 1 : (std::min)(2 * pi * norm_inverse_ * mass_above(std::log(r)), 1.0);
   }
   // Newton's method in log r on the logarithm of the smaller tail, between bounds.
-  double radius_of_odds(double odds) const {
+  double radius_at_odds(double odds) const {
     if (!(odds > 0 && odds <= largest<double>())) return odds == 0 ? 0 : odds;
     const bool lower = odds <= 1;
     const double target = std::log((lower ? odds : 1) / (1 + odds) * norm_ / (2 * pi));
@@ -68,7 +68,7 @@ class user_density : public radial_defaults<double, part::P22_by_slope | part::d
     }
     return std::exp(L);
   }
-  double radius(double xi) const { return radius_of_odds(xi / (1 - xi)); }
+  double radius(double xi) const { return radius_at_odds(xi / (1 - xi)); }
   double radius2(double xi) const { return square(radius(xi)); }
 
   double P2(const slope<double>& t) const { return marginal<0>(std::abs(t.value.high)); }
@@ -109,7 +109,7 @@ class user_density : public radial_defaults<double, part::P22_by_slope | part::d
                (sum + all - (Which == 0 ? 0 : t * (Which == 1 ? rest.line : 0.5 * pi * rest.mass)));
       if (distance > 1 && all < 1e-17 * sum) break;
     }
-    if (i == panels_ && high_power_ != 0) advance(40, outside);
+    if (i == panels_ && goes_on_) advance(40, outside);
     return 2 * norm_inverse_ * sum;
   }
   // y of log(r/t).

@@ -6,9 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "microfacet/approx/gauss.hpp"
-#include "microfacet/approx/piecewise_many.hpp"
+#include "microfacet/approx/piecewise_fit.hpp"
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
@@ -17,18 +18,22 @@ namespace microfacet::detail {
 
 class user_density_panels {
  protected:
-  using table = piecewise_many<double>;
+  using table = piecewise<double, 8, by_search<double, 512>>;
+  static table table_of(const sampled_function& f, double lower, double upper, double at_zero) {
+    return piecewise_fit<table>(f, {lower, upper, lower, at_zero, 1e-300, 50})();
+  }
   // density(L, f, n) stores P22 (up to a factor) at slopes exp(L[i]) in [lower, upper]; beyond both it is a
   // power.
   user_density_panels(const sampled_function& density, double lower, double upper, double at_zero)
-      : P22_(piecewise_many_fit<double>(density, {lower, lower, upper, at_zero, 1e-300})()) {
+      : P22_(table_of(density, lower, upper, at_zero)) {
     // The last piece is the power beyond the end, or nothing.
-    const auto pieces = static_cast<std::size_t>(
-        std::find(P22_.start.begin(), P22_.start.end(), largest<double>()) - P22_.start.begin());
-    begin_ = lower, end_ = std::log(P22_.start[pieces - 1]);
+    const auto last = static_cast<std::size_t>(
+        std::find(P22_.start.begin(), P22_.start.end(), largest<double>()) - P22_.start.begin() - 1);
+    goes_on_ = P22_.twice_value[last] > 0, high_power_ = P22_.coefficient[0][last];
+    begin_ = lower, end_ = goes_on_ ? upper : std::log(P22_.start[last]);
     low_power_ = std::log(at(begin_ + 1) / at(begin_));
-    if (P22_.twice_value[pieces - 1] > 0) high_power_ = std::log(at(end_ - 0.5) / at(end_ - 1.5));
-    add_panels();
+    for (std::size_t i = 0; i < last; ++i) add_panels(i, (std::min)(std::log(P22_.start[i + 1]), end_));
+    if (goes_on_) add_panels(last, end_);
     accumulate();
   }
 
@@ -42,7 +47,7 @@ class user_density_panels {
   double at(double L) const { return at(L, std::exp(L)); }
   double at(double L, double r) const {
     if (L < begin_) return at(begin_) * std::exp(low_power_ * (L - begin_));
-    if (L > end_) return high_power_ == 0 ? 0 : at(end_) * std::exp(high_power_ * (L - end_));
+    if (L > end_) return !goes_on_ ? 0 : at(end_) * std::exp(high_power_ * (L - end_));
     return P22_(double_double<double>(r));
   }
 
@@ -52,19 +57,17 @@ class user_density_panels {
     return at(L) * std::exp(L);
   }
 
-  // Panels inside the pieces, on which no integrand changes much.
-  void add_panels() {
-    panel_[0] = begin_;
-    for (std::size_t i = 1; i < table::pieces && P22_.start[i] < largest<double>(); ++i) {
-      const double from = panel_[panels_], to = (std::min)(std::log(P22_.start[i]), end_);
-      if (!(to > from)) continue;
-      const std::size_t first_panel = panels_;
-      const double swing = std::abs(std::log(at(to) / at(from)) + 2 * (to - from));
-      const double parts = std::ceil((std::max)((std::min)(swing, 1e3) / 6, (to - from) / 2));
-      for (double k = 1; k <= parts && panels_ + 1 < most_panels; ++k)
-        panel_[++panels_] = k == parts ? to : from + (to - from) * k / parts;
-      std::fill(piece_.begin() + first_panel, piece_.begin() + panels_, i - 1);
-    }
+  // Panels of a piece up to `to`, on which no integrand changes much.
+  void add_panels(std::size_t piece, double to) {
+    if (panels_ == 0) panel_[0] = begin_;
+    const double from = panel_[panels_];
+    if (!(to > from)) return;
+    const std::size_t first_panel = panels_;
+    const double swing = std::abs(std::log(at(to) / at(from)) + 2 * (to - from));
+    const double parts = std::ceil((std::max)((std::min)(swing, 1e3) / 6, (to - from) / 2));
+    for (double k = 1; k <= parts && panels_ + 1 < most_panels; ++k)
+      panel_[++panels_] = k == parts ? to : from + (to - from) * k / parts;
+    std::fill(piece_.begin() + first_panel, piece_.begin() + panels_, piece);
   }
 
   using values = std::array<double, nodes>;
@@ -72,12 +75,8 @@ class user_density_panels {
   values inside(std::size_t panel, const values& L) const {
     const std::size_t i = piece_[panel];
     values f;
-    for (std::size_t j = 0; j < nodes; ++j) {
-      const double v = L[j] - P22_.centre[i];
-      double p = P22_.coefficient[table::terms - 1][i];
-      for (std::size_t k = table::terms - 1; k-- > 0;) p = multiply_add(p, v, P22_.coefficient[k][i]);
-      f[j] = 0.5 * P22_.twice_value[i] * elementary::exp(p * v);
-    }
+    for (std::size_t j = 0; j < nodes; ++j)
+      f[j] = P22_.of_piece<table::most_pieces>(L[j] - P22_.centre[i], static_cast<std::int64_t>(i));
     return f;
   }
   sums integral(std::size_t panel, double from, double to) const {
@@ -97,7 +96,7 @@ class user_density_panels {
     // Beyond the ends: int r^(p + k) dr.
     const double first = at(begin_), r0 = std::exp(begin_), last = at(end_), r1 = std::exp(end_);
     const auto tail = [&](double k) {
-      return high_power_ == 0      ? 0
+      return !goes_on_             ? 0
              : high_power_ + k < 0 ? last * std::pow(r1, k) / -(high_power_ + k)
                                    : infinite<double>();
     };
@@ -141,6 +140,7 @@ class user_density_panels {
   gauss_legendre<nodes> rule_;
   table P22_;
   double begin_, end_, low_power_ = 0, high_power_ = 0, norm_ = 0, norm_inverse_ = 1, line_ = 0, median_ = 0;
+  bool goes_on_ = false;  // as a power, beyond end_
   std::size_t panels_ = 0;
   std::array<double, most_panels> panel_{}, below_{}, mass_{};
   std::array<sums, most_panels> above_{};

@@ -25,7 +25,6 @@
 #include "microfacet/smith/visible/sample_visible_mixture.hpp"
 #include "microfacet/tabulated/tabulated.hpp"
 #include "microfacet/tabulated/user_density.hpp"
-#include "microfacet/tabulated/user_density_tables.hpp"
 
 namespace {
 

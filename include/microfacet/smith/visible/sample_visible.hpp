@@ -14,7 +14,7 @@
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/vec.hpp"
-#include "microfacet/family/spherical_cap.hpp"
+#include "microfacet/special/spherical_cap.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/smith/visible/slope.hpp"
 #include "microfacet/smith/visible/started.hpp"

@@ -19,7 +19,6 @@ unsigned build(tables& t, const table_request& request, table_use use) {
   const unsigned of_directions = of_P22 | of_slope_excess;
   const unsigned functions = all ? of_directions | of_radius | of_P2 | of_visible : of_directions;
   const auto with = [&](const auto& family, unsigned wanted) { return t.build(family, wanted), wanted; };
-  if (request.family == "beckmann") return with(beckmann<double>(), of_visible);
   if (request.family == "student_t")
     return with(student_t<double>(request.shape), all ? of_slope_excess | of_visible : of_slope_excess);
   if (request.family == "gtr") return with(gtr<double>(request.alpha, request.shape), functions);

@@ -11,38 +11,37 @@ namespace microfacet::plugin {
 
 using tables = traced_tables<Float>;
 
-// Closed forms, and a table of the one inverse that sampling needs besides.
+// Closed forms that draw visible normals by the mixture alone: what solves for them is left out.
 template <class Closed>
-class with_table : public Closed {
+class composed : public Closed {
  public:
   static constexpr bool always_composes = true;
-  template <class... Arguments>
-  explicit with_table(const tables& t, const Arguments&... arguments) : Closed(arguments...), tables_(&t) {}
-
-  Float excess_radius(const Float& v) const { return tables_->visible.excess_radius(v); }
-  // What solves without the table.
+  using Closed::Closed;
   void sf_over_density() const = delete;
   void closed_slopes() const = delete;
-
- private:
-  const tables* tables_;
+};
+class composed_beckmann : public composed<beckmann<Float>> {
+ public:
+  Float excess_radius(const Float& v) const { return ierfc_quotient_inverse(v); }
 };
 
-// The same, where the projected area costs more than its table.
+// The same, with tables of the mean excess, which costs more, and of its inverse.
 template <class Closed>
-class with_table_of_excess : public with_table<Closed> {
+class with_table_of_excess : public composed<Closed> {
  public:
   template <class... Arguments>
   explicit with_table_of_excess(const tables& t, const Arguments&... arguments)
-      : with_table<Closed>(t, arguments...), prepared_(t) {}
+      : composed<Closed>(arguments...), tables_(&t), tabulated_(t) {}
 
-  Float slope_excess(const slope<Float>& x) const { return prepared_.slope_excess(x); }
+  Float excess_radius(const Float& v) const { return tables_->visible.excess_radius(v); }
+  Float slope_excess(const slope<Float>& x) const { return tabulated_.slope_excess(x); }
   fraction<Float> sigma_below(const Float& c, const double_double<Float>& s2) const {
-    return prepared_.sigma_below(c, s2);
+    return tabulated_.sigma_below(c, s2);
   }
 
  private:
-  tabulated<Float, tables> prepared_;
+  const tables* tables_;
+  tabulated<Float, tables> tabulated_;
 };
 
 // A closed density, and tables for all else.
@@ -66,8 +65,8 @@ struct traced {
 };
 template <>
 struct traced<beckmann<Float>> {
-  static constexpr bool has_tables = true;
-  static auto make(const tables* t, const Float&, const Float&) { return with_table<beckmann<Float>>(*t); }
+  static constexpr bool has_tables = false;
+  static auto make(const tables*, const Float&, const Float&) { return composed_beckmann(); }
 };
 template <>
 struct traced<student_t<Float>> {

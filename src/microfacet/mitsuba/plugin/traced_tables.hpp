@@ -135,7 +135,7 @@ class traced_table {
     return result;
   }
 
-  // approx/piecewise.hpp: the piece follows from the leading bits.
+  // approx/locate.hpp: the piece follows from the leading bits.
   UInt32 piece_of(const R& x, const header& h, const UInt32& block) const {
     const Int32 fine = dr::reinterpret_array<Int32>(x) - h.base;
     const Int32 cell = (dr::maximum(fine, fine >> 6) >> h.shift) & Int32(layout::cells - 1);
@@ -150,7 +150,7 @@ class traced_table {
 // For tabulated/tabulated.hpp: the tables at one roughness, or at a varying one where they are on a grid.
 template <class R>
 struct traced_tables {
-  static constexpr bool single = true, always_composes = true;
+  static constexpr bool single = true, searches = false, always_composes = true;
   using between = std::optional<alpha_between<R>>;
 
   struct visible_tables {

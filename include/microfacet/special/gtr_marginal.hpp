@@ -17,8 +17,8 @@
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/family/gtr_wide_circles.hpp"
-#include "microfacet/family/radial.hpp"
+#include "microfacet/core/slope.hpp"
+#include "microfacet/special/gtr_wide_circles.hpp"
 
 namespace microfacet::detail {
 

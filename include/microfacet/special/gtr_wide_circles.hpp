@@ -1,4 +1,4 @@
-// Slope marginals of GTR (family/gtr_marginal.hpp) for alpha > 1 and large gamma, where survival is 1 to
+// Slope marginals of GTR (special/gtr_marginal.hpp) for alpha > 1 and large gamma, where survival is 1 to
 // rounding on all circles that reach hardly beyond the slope x: on one of radius r with L = log((alpha^2 +
 // r^2)/(1 + r^2)) it is 1 - exp(-|g| L). What lies beyond x on a circle has a closed form, of which the
 // marginals are means with the weight |g| exp(-|g| L): with rho^2 = r^2 - x^2,

@@ -11,7 +11,7 @@
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/vec.hpp"
-#include "microfacet/family/slope.hpp"
+#include "microfacet/core/slope.hpp"
 
 namespace microfacet {
 
