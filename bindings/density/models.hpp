@@ -85,7 +85,7 @@ bool fits_float32(const double* parameters, bool samples_visible) {
     if (parameters[a] < lower || parameters[a] > upper) return false;
   }
   // Steep slopes of a heavy tail leave float32.
-  if constexpr (requires { family::sampling_fits_float32(0.0); }) {
+  if constexpr (float32_sampling_range<family>) {
     if (samples_visible) return family::sampling_fits_float32(parameters[Model::first]);
   }
   return true;

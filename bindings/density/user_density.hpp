@@ -11,8 +11,8 @@
 
 #include "bindings/density/fork_safe_lock.hpp"
 #include "bindings/density/operations.hpp"
-#include "microfacet/tabulated/user_density.hpp"
 #include "microfacet/tabulated/tabulated.hpp"
+#include "microfacet/tabulated/user_density.hpp"
 
 namespace microfacet::bindings {
 

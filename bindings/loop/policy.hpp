@@ -63,7 +63,7 @@ struct policy {
   template <class Real>
   static constexpr bool one_register =
       searches || iterates<Real> || (requires { Operation::samples_from_tables; } && std::is_same_v<Real, double>);
-  static constexpr bool in_closed_form = requires { &family::sf_over_density; };
+  static constexpr bool in_closed_form = tail_quotients<family>;
 
   // All that the operation needs of the density is a short closed form.
   template <class Real>

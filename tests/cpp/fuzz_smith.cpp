@@ -20,7 +20,7 @@ void draw(const mf::ndf<Family, T>& ndf, const mf::vec3<T>& w, const std::array<
   tell("sample_normal", sample_normal(ndf, xi[0], xi[1]));
   tell("sample_visible", sample_visible(ndf, w, xi[0], xi[1], xi[2]));
   tell("sample_visible_mixture", sample_visible_mixture(ndf, w, xi[0], xi[1], xi[2], xi[3]));
-  if constexpr (requires { &Family::bounded_facet; })
+  if constexpr (mf::bounded_facet_sampling<Family>)
     tell("sample_visible_bounded", sample_visible_bounded(ndf, w, xi[0], xi[1]));
 }
 

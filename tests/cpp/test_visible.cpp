@@ -24,14 +24,6 @@ namespace {
 const std::vector<double> cotangents{1e15, 50, 3, 1, 0.2, 1e-3, 1e-9, 0, -1e-4, -0.3, -1, -3};
 const std::vector<double> uniforms{1e-12, 1e-6, 0.01, 0.2, 0.45, 0.7, 0.9};
 
-template <class Family>
-constexpr bool solved = !requires(const Family f) { f.visible_slopes_of(0.5, 0.5, 0.5, 0.5); } &&
-                        !requires(const Family f, mf::cap_direction<double> w) { f.visible_facet(w, 0.5, 0.5); };
-template <class Family>
-constexpr bool has_tails = requires(const Family f) { f.sf_over_density(0.5); };
-template <class Family>
-constexpr bool independent = requires(const Family f) { f.across_by_quantile(0.5); };
-
 // Pr(slope > P) of the slopes that x sees, and their density.
 template <class Family>
 std::array<double, 2> seen(const Family& family, double x, double P) {
@@ -97,7 +89,7 @@ TEST(slope_in_the_plane_is_the_quantile) {
   each_family([&]<class Family>(const Family& family) {
     if constexpr (Family::tabulate == mf::of_all || Family::tabulate == (mf::of_all & ~mf::of_P22)) {
       check_both_ways(family);
-    } else if constexpr (has_tails<Family>) {
+    } else if constexpr (mf::tail_quotients<Family>) {
       check_quantiles(family, family);
     }
   });
@@ -119,7 +111,7 @@ TEST(slope_in_the_plane_is_the_quantile_of_hard_shapes) {
 // Given the slope in the plane, the one across it has the distribution int P22(P, q) dq/P2(P).
 TEST(slope_across_the_plane_is_conditional) {
   each_family([](const auto& family) {
-    if constexpr (solved<std::decay_t<decltype(family)>>) {
+    if constexpr (!mf::closed_visible_sampling<std::decay_t<decltype(family)>>) {
       for (const double x : {2.0, 0.1, -0.5}) {
         // The distribution function at q is the mean over xi1 of arccos(q/rest)/pi.
         const double P = mf::detail::solve_visible_slopes(family, x, 0.4, 0.5, 0.5).along,
@@ -143,7 +135,8 @@ TEST(slope_across_the_plane_is_conditional) {
         const double expected = 0.5 - mass / family.P2(mf::slope<double>(std::abs(P)));
         // A quantile ends between two steps.
         const double error = by_length(family) ? 1e-3 : 2.0 / steps;
-        if constexpr (!independent<std::decay_t<decltype(family)>>) CHECK(std::abs(below - expected) < error);
+        if constexpr (!mf::quantile_across<std::decay_t<decltype(family)>>)
+          CHECK(std::abs(below - expected) < error);
       }
     }
   });
@@ -156,7 +149,7 @@ TEST(hostile_uniforms_and_directions) {
                      direction{1, 0, -1e-20},  direction{0.8, 0.6, 1e-9}, direction{1e-3, 0, -1},
                      direction{0.6, 0, 0.8001}};
   each_family([&]<class Family>(const Family& family) {
-    if constexpr (Family::tabulate == 0 || has_tails<Family>) {
+    if constexpr (Family::tabulate == 0 || mf::tail_quotients<Family>) {
       const mf::anisotropic_shape<double> shape(0.1, 0.6, 0.8, 0.6);
       const mf::ndf<Family, double> distribution(family, shape);
       for (const direction& d : w)

@@ -65,6 +65,13 @@ struct fit_precision<double> {
 
 namespace detail {
 
+template <class R>
+double first_lane(const R& r) {
+  double x;
+  std::memcpy(&x, &r, sizeof x);
+  return x;
+}
+
 // Calls a function of lanes for n numbers.
 template <class R, class Function>
 void in_lanes(const double* x, double* f, std::size_t n, const Function& function) {

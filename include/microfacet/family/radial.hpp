@@ -108,6 +108,15 @@ concept has_the_parts_it_states =
 template <class F>
 concept closed_visible_sampling = facet_sampling<F> || slope_sampling<F>;
 
+// Of what stands for a family: the radius at a depth -log(survival), or at a survival, and whether visible
+// normals always come from the mixture scheme's inverses.
+template <class F>
+concept radius_by_depth = requires(const F f, typename F::scalar depth) { f.survival_radius(depth); };
+template <class F>
+concept radius_by_survival = requires(const F f, typename F::scalar rest) { f.radius_at_survival(rest); };
+template <class F>
+concept always_composes = requires { requires F::always_composes; };
+
 template <class F>
 concept radial_family = has_the_parts_it_states<F> && requires(const F f, typename F::scalar xi, double_double<typename F::scalar> r2, slope<typename F::scalar> t) {
   F::name;                                                     // one string everywhere

@@ -1,13 +1,11 @@
-// What visible normals take from tables besides the functions of a density. In float32 they are drawn from
-// these tables alone (smith/visible_mixture.hpp); in float64 the inverses of differences have not all digits,
-// and only start the iterations of smith/visible/tails.hpp.
+// Tables that visible normals take besides the functions of a density. In float32 these tables alone draw them
+// (smith/visible/sample_visible_mixture.hpp); in float64 the inverses of differences lack digits, and start the
+// iterations of smith/visible/tails.hpp.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <variant>
@@ -60,9 +58,9 @@ class visible_samples {
       return R((value - target) / maximum(slope, R(1e-6)));
     });
   }
-  double all() const { return number(all_); }
-  double inverse_peak() const { return number(inverse_peak_); }
-  double at(double t) const { return number(P2(R(t))); }
+  double all() const { return first_lane(all_); }
+  double inverse_peak() const { return first_lane(inverse_peak_); }
+  double at(double t) const { return first_lane(P2(R(t))); }
 
  private:
   // exp(y) where change(y), the step that Newton's method proposes, is next to nothing.
@@ -74,34 +72,12 @@ class visible_samples {
     });
     return elementary::exp(y);
   }
-  static double number(const R& r) {
-    double x;
-    std::memcpy(&x, &r, sizeof x);
-    return x;
-  }
   const Family& family_;
   R all_, inverse_peak_;
 };
 
 template <class T>
 using visible_table = piecewise<T, sizeof(T) == 4 ? 8 : 18>;
-
-// t at t/slope_excess(t), in float32: in float64 the range is too long for one table.
-template <class Family>
-visible_table<float> excess_radius_table(const Family& family) {
-  const visible_samples<Family> samples(family);
-  const auto sample = [&](const double* L, double* f, std::size_t n) {
-    in_lanes<typename Family::scalar>(L, f, n, [&](const auto& x) { return samples.excess_radius(x); });
-  };
-  const auto up_to = [&](double upper) {
-    const fit_range range{-87, upper, 0, 0, static_cast<double>((std::numeric_limits<float>::min)()), 20};
-    return piecewise_fit<visible_table<float>>(sample, range)();
-  };
-  // Of very heavy tails J ends where slopes do; it goes on as a power.
-  visible_table<float> t = up_to(86);
-  if (!(t.error < 1)) t = up_to(60);
-  return t;
-}
 
 }  // namespace detail
 
@@ -160,7 +136,8 @@ class visible_tables {
     if constexpr (single) {
       fill(moment, [&](const R& L) { return samples.moment(R(elementary::exp(L))); },
            {least, 20, least, samples.all(), tiny, central});
-      excess_radius = detail::excess_radius_table(family);
+      fill_far(excess_radius, [&](const R& L) { return samples.excess_radius(L); },
+               {least, 60, 0, 0, tiny, 20});
       complete = falls;
       for (const table* t : {&moment, &moment_radius, &marginal_radius, &excess_radius})
         complete = complete && t->error < 2e-6;

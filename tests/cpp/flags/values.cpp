@@ -91,7 +91,7 @@ void samples(const Ndf& ndf) {
                    xi2 = 0.99 - 0.97 * xi1;
       say("visible", n, mf::sample_visible(ndf, w, R(xi0), R(xi1), R(xi2)));
       say("mixture", n, mf::sample_visible_mixture(ndf, w, R(xi0), R(xi1), R(xi2), R(0.37)));
-      if constexpr (requires { &std::decay_t<decltype(ndf.family())>::bounded_facet; }) {
+      if constexpr (mf::bounded_facet_sampling<std::remove_cvref_t<decltype(ndf.family())>>) {
         say("bounded", n, mf::sample_visible_bounded(ndf, w, R(xi0), R(xi1)));
       }
       say("normal", n, mf::sample_normal(ndf, R(xi0), R(xi1)));

@@ -115,7 +115,7 @@ template <class Family, class T>
     const T along = visible_slope(tails, x, T(maximum(xi0, least)));
     return {along, slope_across(tails, along, xi1, xi2)};
   };
-  if constexpr (requires { family.sf_over_density(x); }) {
+  if constexpr (tail_quotients<Family>) {
     return from(family);
   } else {
     const visible_slopes<T> s = from(visible_tails<Family, T>(family));
@@ -145,9 +145,9 @@ template <class Family, class T>
 MICROFACET_INLINE visible_slopes<T> draw_visible_slopes(const Family& family, const T& x, const T& xi0, const T& xi1,
                                       const T& xi2) {
   const auto solved = [&] { return solve_visible_slopes(family, x, xi0, xi1, xi2); };
-  if constexpr (requires { family.visible_slopes_of(x, xi0, xi1, xi2); }) {
+  if constexpr (slope_sampling<Family>) {
     return family.visible_slopes_of(x, xi0, xi1, xi2);
-  } else if constexpr (requires { family.closed_slopes(x, xi0, xi1); }) {
+  } else if constexpr (special_slope_sampling<Family>) {
     return select_lazy(family.has_closed_slopes(), [&] { return family.closed_slopes(x, xi0, xi1); }, solved);
   } else if constexpr (starts<Family>) {
     if constexpr (requires { family.visible(); }) {

@@ -39,14 +39,14 @@ visible_slopes<T> composed_from_below(const Family& family, const T& X, const T&
 template <class Family, class T>
 visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& excess, const T& part,
                                   const uniforms<T>& u) {
-  if constexpr (requires { requires Family::always_composes; }) {
+  if constexpr (always_composes<Family>) {
     return composed_from_below(family, X, excess, part, u, excess > T(1e-30));
   } else {
     const auto reached = tables_reach(family, T(-X));
     const auto solved = [&] { return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]); };
-    if constexpr (requires { family.excess_radius(X); }) {
+    if constexpr (excess_quantile<Family>) {
       const auto composed = [&] { return composed_from_below(family, X, excess, part, u, reached); };
-      if constexpr (requires { family.sf_over_density(X); }) {
+      if constexpr (tail_quotients<Family>) {
         return select_lazy(reached, composed, solved);
       } else {
         return family.samples_from_tables() ? composed() : solved();
@@ -60,9 +60,9 @@ template <class Family, class T>
 visible_slopes<T> turned_towards(const Family& family, const T& c, const T& rest, const uniforms<T>& u) {
   const T depth = -log(maximum(rest, smallest<T>()));
   const T r = [&] {
-    if constexpr (requires { family.radius_at_survival(rest); }) {
+    if constexpr (radius_by_survival<Family>) {
       return family.radius_at_survival(maximum(rest, smallest<T>()));
-    } else if constexpr (requires { family.survival_radius(depth); }) {
+    } else if constexpr (radius_by_depth<Family>) {
       return family.survival_radius(depth);
     } else {
       return visible_tails<Family, T>(family).survival_radius(depth);
@@ -105,7 +105,7 @@ vec3<T> sample_visible_mixture(const ndf<Family, T, Shape>& distribution, const 
     const detail::uniforms<T> u{detail::uniform(xi0), detail::uniform(xi1), detail::uniform(xi2),
                                 detail::uniform(xi3)};
     const auto mixed = [&] { return detail::mix_visible_slopes(family, seen.x, u); };
-    if constexpr (requires { family.closed_slopes(seen.x, xi0, xi1); }) {
+    if constexpr (special_slope_sampling<Family>) {
       const auto closed = [&] { return family.closed_slopes(seen.x, u.xi[0], u.xi[1]); };
       return detail::normal_of_visible(distribution.shape(), seen,
                                        select_lazy(family.has_closed_slopes(), closed, mixed));

@@ -173,7 +173,7 @@ T visible_slope(const Family& family, const T& x, const T& share) {
 // The slope across the plane of incidence, given that in it.
 template <class Family, class T>
 T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2) {
-  if constexpr (requires { family.across_by_quantile(xi1); }) {
+  if constexpr (quantile_across<Family>) {
     return family.across_by_quantile(xi1);
   } else {
     const T valid = nan_unless((xi2 >= T(0)) & (xi2 < T(1)), xi2);

@@ -45,11 +45,11 @@ class visible_tails {
     return (ratio - T(2)) * t * t / (sf * (t * t + T(0.25) * sf * sf));
   }
   T survival_radius(const T& depth) const {
-    if constexpr (requires { family_.radius_at_odds(depth); }) {
+    if constexpr (radius_by_odds<Family>) {
       return family_.radius_at_odds(expm1(depth));
     } else {
       const T xi = minimum(T(-expm1(-depth)), T(single ? 1 - 0x1p-24 : 1 - 0x1p-53));
-      if constexpr (requires { family_.radius(xi); }) {
+      if constexpr (direct_radius<Family>) {
         return family_.radius(xi);
       } else {
         return sqrt(family_.radius2(xi));
@@ -61,7 +61,7 @@ class visible_tails {
     // As of a Gaussian: exact for small depths.
     const T twice = T(2) * depth * moment;
     const T light = twice / (t + sqrt(t * t + twice) + smallest<T>());
-    if constexpr (requires { family_.visible(); }) {
+    if constexpr (tabulated_inverses<Family>) {
       const T all(family_.visible().first_moment);
       const T odds = all / (moment * density(t)) * exp(minimum(depth, T(single ? 60 : 500))) - T(1);
       const T outer = family_.visible().moment_radius(double_double<T>(odds)) - t;
@@ -89,10 +89,10 @@ class visible_tails {
 
   // Whether P2 is the marginal of a density in three dimensions, as `across` takes for granted.
   auto lifts() const {
-    if constexpr (requires { family_.visible(); }) {
+    if constexpr (tabulated_inverses<Family>) {
       const T falls(family_.visible().falls ? T(1) : T(0));
       return falls > T(0);
-    } else if constexpr (requires { family_.falls(); }) {
+    } else if constexpr (conditional_fall<Family>) {
       return family_.falls();
     } else {
       return T(0) == T(0);
@@ -128,7 +128,7 @@ class visible_tails {
     const T along = abs(along_argument), sf = sf_over_density(along);
     const T twice = T(2) * depth * sf;
     T rest = twice * (along + sf) + square(T(depth * sf));
-    if constexpr (requires { family_.visible(); }) {
+    if constexpr (tabulated_inverses<Family>) {
       const T start(family_.visible().inverse_P2);
       const T inverse = exp(minimum(depth, T(single ? 40 : 500))) / density(along) - start;
       const T R = family_.visible().marginal_radius(double_double<T>(inverse));
@@ -161,7 +161,7 @@ class visible_tails {
   // The functions of a family itself are long: calls.
   template <class Function>
   MICROFACET_INLINE static T called(const Function& function) {
-    if constexpr (requires(const Family f) { f.visible(); }) {
+    if constexpr (tabulated_inverses<Family>) {
       return function();
     } else {
       return call(function);
