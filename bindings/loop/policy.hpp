@@ -62,7 +62,7 @@ struct policy {
   // Visible normals are drawn without a loop in float32 and iterate in float64.
   template <class Real>
   static constexpr bool one_register =
-      searches || iterates<Real> || (requires { Operation::samples_from_tables; } && std::is_same_v<Real, double>);
+      searches || requires { Operation::solves; } || (requires { Operation::samples_from_tables; } && std::is_same_v<Real, double>);
   static constexpr bool in_closed_form = tail_quotients<family>;
 
   // All that the operation needs of the density is a short closed form.

@@ -30,9 +30,11 @@ struct beckmann_start {
   template <class T, class Mask>
   static T above(const visible_depth<T, Mask>& at, const T& parabola) {
     const variables<T> s(at);
-    const T rate = s.inverse * polynomial(coefficients::visible_lower, s.x, at.root);
+    // P2 is between P2(0) and P2(x), so that ((x - t)/x)^2 lies between exp(-depth) and exp(x^2 - depth).
+    const T falls = at.depth * s.inverse * polynomial(coefficients::visible_lower, s.x, at.root);
+    const T fall = minimum(maximum(falls, T(T(0.5) * (at.depth - at.X * at.X))), T(T(0.5) * at.depth));
     const T upper = parabola * polynomial(coefficients::visible_upper, s.x, s.depth);
-    return select(at.lower, T(-at.X * expm1(T(-at.depth * rate))), upper);
+    return select(at.lower, T(-at.X * expm1(T(-fall))), upper);
   }
   template <class T, class Mask>
   static T below(const visible_depth<T, Mask>& at, const T&) {
@@ -58,9 +60,7 @@ struct beckmann_start {
 template <class T>
 class beckmann
     : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
-                                    part::quantile_across | part::mixture_sampling | part::started_inversion |
-                                    (sizeof(typename scalar_traits<T>::real) == 4 ? part::excess_quantile
-                                                                                  : 0U)> {
+                                    part::quantile_across | part::started_inversion> {
  public:
   static constexpr std::string_view name = "beckmann";
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
@@ -92,7 +92,7 @@ class beckmann
     return {times_exp_minus(T(lifted(T(0.5)) * (seen.s * numerator)), seen.x.squared), denominator};
   }
 
-  // What smith/visible/slope.hpp asks for.
+  // What smith/visible/inversion.hpp asks for.
   T sf_over_density(const T& t) const {
     return select_lazy(
         t > detail::where_erfc_lives(t), [&] { return T(T(0.5) / t * far_tail(t, {2, 12, 120, 1680})); },
@@ -131,14 +131,6 @@ class beckmann
   static T over_density(const T& t) { return T(sqrt_pi) * exp(minimum(T(t * t), T(80))); }
   // The slope across the plane of incidence is independent of that in it.
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
-  // For smith/visible/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
-  T excess_radius(const T& v) const
-    requires(single)
-  {
-    return ierfc_quotient_inverse(v);
-  }
-  T moment_beyond(const T& t, const T& xi) const { return sqrt(t * t - log1p(-xi)); }
-  T across_of_tables(const T&, const T& xi, const T&) const { return across_by_quantile(xi); }
 
  private:
   // Where exp(-t^2) is zero its quotients have asymptotic series in -1/(2t)^2 (Abramowitz and Stegun 7.2.14).

@@ -110,8 +110,8 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
     }
     return exp(L);
   }
-  // g with (1 + g) exp(-g) = V, a branch of Lambert's W: in the root s of -2 log V it is s + s^2/3 + ... near 0 and
-  // s^2/2 + log(s^2/2) + ... far away. In double one step of Halley's method on g - log(1 + g) follows.
+  // g with (1 + g) exp(-g) = V, a branch of Lambert's W, in the root of -2 log V; in double one step of Halley's
+  // method on g - log(1 + g) follows.
   static T excess_quantile(const T& V) {
     using namespace coefficients;
     const T L = -log(V), s = sqrt(maximum(T(T(2) * L), T(0)));

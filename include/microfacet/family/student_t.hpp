@@ -28,7 +28,7 @@ template <class T>
 class student_t
     : public radial_defaults<T,
                              part::scaled_P2 | part::survival_by_slope | part::direct_radius |
-                                 part::scaled_excess | part::tail_quotients | part::mixture_sampling |
+                                 part::scaled_excess | part::tail_quotients |
                                  part::special_slope_sampling | part::float32_sampling_range,
                              of_slope_sf | of_slope_excess> {
  public:
@@ -88,7 +88,7 @@ class student_t
     return times_power(x, k, [&](const T& y, const T& q) { return student::excess(k, y, q); }, factor);
   }
 
-  // What smith/visible/slope.hpp asks for.
+  // What smith/visible/inversion.hpp asks for.
   T sf_over_density(const T& t) const {
     const T y = t * t * inverse_k_.high;
     return student::tail(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_;
@@ -132,13 +132,6 @@ class student_t
   // Of a slope in three dimensions at survival exp(-depth), given its component `along`: the rest of it.
   T across(const T& along, const T& depth) const {
     return sqrt(k_ + along * along) * sqrt(expm1(T(depth / (k_ + T(0.5)))));
-  }
-  // For smith/visible/sample_visible_mixture.hpp: M(P) = (1 - xi) M(t), and the slope across.
-  T moment_beyond(const T& t, const T& xi) const {
-    return sqrt(t * t + (k_ + t * t) * expm1(T(-log1p(-xi) / (k_ - T(0.5)))));
-  }
-  T across_of_tables(const T& along, const T& xi, const T& turn) const {
-    return this->across(along, T(-log1p(-xi))) * elementary::cos_sin_of_turns(T(T(0.5) * turn)).cosine;
   }
   static bool sampling_fits_float32(double gamma) { return gamma >= 2.5; }
   // gamma = 3 takes two uniforms.

@@ -1,4 +1,4 @@
-// What smith/visible/slope.hpp takes from a family at one slope: from tables every function is looked up
+// What smith/visible/inversion.hpp takes from a family at one slope: from tables every function is looked up
 // once.
 #pragma once
 

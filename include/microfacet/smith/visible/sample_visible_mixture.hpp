@@ -28,7 +28,7 @@ struct uniforms {
   T xi[4];
 };
 
-// Of tables alone, as far as they reach.
+// Composes two inverses from tables, as far as these reach.
 template <class Family, class T, class Mask>
 visible_slopes<T> composed_from_below(const Family& family, const T& X, const T& excess, const T& part,
                                       const uniforms<T>& u, const Mask& reached) {
@@ -41,28 +41,23 @@ visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& exc
                                   const uniforms<T>& u) {
   if constexpr (always_composes<Family>) {
     return composed_from_below(family, X, excess, part, u, excess > T(1e-30));
+  } else if constexpr (starts<Family> && started_inversion<Family>) {
+    return start_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]);
   } else {
-    const auto reached = tables_reach(family, T(-X));
-    const auto solved = [&] { return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]); };
     if constexpr (excess_quantile<Family>) {
-      const auto composed = [&] { return composed_from_below(family, X, excess, part, u, reached); };
-      if constexpr (tail_quotients<Family>) {
-        return select_lazy(reached, composed, solved);
-      } else {
-        return family.samples_from_tables() ? composed() : solved();
-      }
-    } else {
-      return solved();
+      if (family.samples_from_tables())
+        return composed_from_below(family, X, excess, part, u, tables_reach(family, T(-X)));
     }
+    return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]);
   }
 }
 template <class Family, class T>
 visible_slopes<T> turned_towards(const Family& family, const T& c, const T& rest, const uniforms<T>& u) {
   const T depth = -log(maximum(rest, smallest<T>()));
   const T r = [&] {
-    if constexpr (radius_by_survival<Family>) {
+    if constexpr (always_composes<Family>) {
       return family.radius_at_survival(maximum(rest, smallest<T>()));
-    } else if constexpr (radius_by_depth<Family>) {
+    } else if constexpr (tail_quotients<Family>) {
       return family.survival_radius(depth);
     } else {
       return visible_tails<Family, T>(family).survival_radius(depth);

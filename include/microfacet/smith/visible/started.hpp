@@ -1,4 +1,4 @@
-// The slope in the plane of incidence in float32, by inversion of its distribution (smith/visible/slope.hpp has the
+// The slope in the plane of incidence in float32, by inversion of its distribution (smith/visible/inversion.hpp has the
 // sides) without a loop: polynomials of two variables, the direction and the depth L = -log(share of the side), start
 // so near that one step of Halley's method ends within rounding. The sides start at
 //
@@ -37,7 +37,8 @@ class started_slope : visible_functions<Family, T> {
     const T J = J_of(X), whole = c + J;
     const T upper = multiply_add(T(0.5), c, T(starts.mean_excess)), beyond = share * whole;
     const auto lower = up & (beyond > upper);
-    const T part = select(lower, maximum(T(whole - upper), smallest<T>()), upper), rest = (T(1) - share) * whole;
+    const T part = select(lower, maximum(T(whole - upper), smallest<T>()), upper),
+            rest = (T(1) - share) * whole;
     const T inverse = T(1) / part, of_part = select(up, T(select(lower, rest, beyond) * inverse), share);
     const T depth = maximum(T(-log(maximum(of_part, smallest<T>()))), T(0));
     const visible_depth<T, decltype(up)> at_depth{X, depth, sqrt(depth), lower};
@@ -63,7 +64,8 @@ class started_slope : visible_functions<Family, T> {
       if (any_lane(!up)) N = select(up, N, multiply_add(v, p.sf, excess(p)));
       T r;
       if constexpr (base::tabled) {
-        r = log(maximum(T(N * p.density), smallest<T>()) / maximum(select(lower, rest, beyond), smallest<T>()));
+        r = log(maximum(T(N * p.density), smallest<T>()) /
+                maximum(select(lower, rest, beyond), smallest<T>()));
       } else {
         const T exponent = select(lower, T(0), T(depth - family_.log_density_ratio(start, v)));
         r = exponent + log(maximum(T(N / select(lower, T(rest * over), over_start)), smallest<T>()));
@@ -72,7 +74,8 @@ class started_slope : visible_functions<Family, T> {
       const T newton = select(near, T(difference + (J - rest) * over), T(r * N));
       const T half = select(near, T(1), multiply_add(T(0.5), r, T(1))), bent = T(0.5) * score(p) * newton / d;
       const T halley = newton / minimum(maximum(T(half + bent), T(0.5)), T(2));
-      const T change = maximum(minimum(select(lower, T(-halley), halley), select(lower, d2, largest<T>())), T(T(-0.48) * d2));
+      const T change = maximum(minimum(select(lower, T(-halley), halley), select(lower, d2, largest<T>())),
+                               T(T(-0.48) * d2));
       const T moved = T(2) * change / (sqrt(multiply_add(T(2), change, d2)) + d);
       v = maximum(T(v + select(lower, T(-moved), moved)), T(0));
     }

@@ -1,4 +1,4 @@
-// What smith/visible/slope.hpp asks of a family, from the functions of any radial family: quotients of tails
+// What smith/visible/inversion.hpp asks of a family, from the functions of any radial family: quotients of tails
 // by the density of slopes along an axis, and inverses. Meant for prepared densities, whose functions cost
 // alike; a family itself takes their place where there are no tables of it that keep the contract.
 #pragma once

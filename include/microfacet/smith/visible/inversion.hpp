@@ -13,6 +13,9 @@
 // (`tails`): slope_sf/P2, J/P2, int_t^inf y P2(y) dy/P2, (log P2)', log_density_ratio = log P2(t) - log P2(t + v).
 #pragma once
 
+#include <array>
+
+#include "microfacet/approx/iterate.hpp"
 #include "microfacet/core/logarithms.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/smith/visible/point.hpp"
@@ -58,24 +61,22 @@ class visible_slope_solver : visible_functions<Family, T> {
 
   T operator()() const {
     const T start = first();
-    auto moving = elementary::is_number(start) & (start >= T(0));
-    T v = select(moving, start, T(0)), least(0), most = select(on_lower_, c_, largest_slope<T>());
-    // A lane that has converged stays, so that its neighbours do not change it. Where log(probability) bends,
-    // bounds help; beyond the range of the family's functions there is no residual.
-    for (int i = 0; i < 40; ++i) {
-      const step s = next(v);
-      const auto too_far = (s.residual < T(0)) | !elementary::is_number(s.residual);
-      least = select(s.residual > T(0), v, least), most = select(too_far, v, most);
+    const auto moving = elementary::is_number(start) & (start >= T(0));
+    // Where log(probability) bends, bounds help; beyond the range of the family's functions there is no residual.
+    const auto bracketed = [this](const std::array<T, 3>& state) {
+      const auto [v, above, under] = state;
+      const auto [to, residual] = next(v);
+      const auto too_far = (residual < T(0)) | !elementary::is_number(residual);
+      const T least = select(residual > T(0), v, above), most = select(too_far, v, under);
       const T other = select(least > T(0), least, minimum(most, T(1)) * T(0.0625));
       const T middle = select(most > T(4) * other, T(sqrt(other) * sqrt(most)), T(T(0.5) * (other + most)));
-      const auto inside =
-          elementary::is_number(s.to) & (((s.to >= least) & (s.to <= most)) | (least == T(0)));
-      const T moved = select(moving, select(inside, s.to, middle), v);
-      const T size = select(on_lower_, minimum(v, T(c_ - v)), v);
-      moving = moving & (abs(moved - v) > T(single ? 3e-3 : 1e-8) * size);
-      v = moved;
-      if (!any_lane(moving)) break;
-    }
+      const auto inside = elementary::is_number(to) & (((to >= least) & (to <= most)) | (least == T(0)));
+      const T moved = select(inside, to, middle), size = select(on_lower_, minimum(v, T(c_ - v)), v);
+      return iteration{std::array<T, 3>{moved, least, most},
+                       Mask(abs(moved - v) > T(single ? 3e-3 : 1e-8) * size)};
+    };
+    const std::array<T, 3> from{select(moving, start, T(0)), T(0), select(on_lower_, c_, largest_slope<T>())};
+    const T v = iterate(40, from, moving, bracketed)[0];
     return select(on_lower_, T(-v), T(start_ + v)) + nothing_;
   }
 
@@ -99,6 +100,17 @@ class visible_slope_solver : visible_functions<Family, T> {
   // Exact for x = 0, for small depths and in the tail.
   T first() const {
     const T b = c_ / part_, root = sqrt(depth_);
+    if constexpr (!base::tabled && started_inversion<Family>) {
+      const T bend = T(2) * (b * b + T(1) / part_);
+      const T parabola = T(2) * depth_ / (b + sqrt(b * b + bend * depth_) + smallest<T>());
+      const visible_depth<T, Mask> at_depth{abs(x_), depth_, root, on_lower_};
+      return unless(below_, family_.start().above(at_depth, parabola),
+                    [&] { return family_.start().below(at_depth, excess(at_start_)); });
+    } else {
+      return first_in_closed_form(b, root);
+    }
+  }
+  T first_in_closed_form(const T& b, const T& root) const {
     const T s0 = T(2) * depth_ / (b + sqrt(b * b + T(4) * depth_) + smallest<T>());
     const T t1 = family_.survival_radius(maximum(T(depth_ - log1p(b * s0)), T(0)));
     const T J = excess(at_x_), width = abs(x_) * sqrt(T(2) * J) / (J + abs(x_) * at_start_.sf);
@@ -168,29 +180,6 @@ class visible_slope_solver : visible_functions<Family, T> {
 template <class Family, class T>
 T visible_slope(const Family& family, const T& x, const T& share) {
   return detail::visible_slope_solver<Family, T>(family, x, share)();
-}
-
-// The slope across the plane of incidence, given that in it.
-template <class Family, class T>
-T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2) {
-  if constexpr (quantile_across<Family>) {
-    return family.across_by_quantile(xi1);
-  } else {
-    const T valid = nan_unless((xi2 >= T(0)) & (xi2 < T(1)), xi2);
-    const auto by_length = [&] {
-      return T(family.across(along, T(-log1p(-xi1))) *
-               elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine);
-    };
-    if constexpr (requires { family.lifts(); }) {
-      const auto by_integral = [&] {
-        return T(select(valid < T(0.5), T(1), T(-1)) * family.across_by_integral(along, xi1) +
-                 (valid - valid));
-      };
-      return select_lazy(family.lifts(), by_length, by_integral);
-    } else {
-      return by_length();
-    }
-  }
 }
 
 }  // namespace microfacet
