@@ -97,7 +97,8 @@ class scattering_pair {
       const auto above = wo_.z > T(0), crossed = passed > T(0);
       const T part = select(above, d.mirrors, d.lenses) / maximum(density, smallest<T>());
       const T sure = select((above & !crossed) | ((wo_.z < T(0)) & crossed), T(1), T(0));
-      weight = share(select((density > smallest<T>()) & (density <= largest<T>()), part, sure), weight);
+      const auto some = density > smallest<T>(), finite = density <= largest<T>();
+      weight = share(select(some & finite, part, sure), weight);
     } else {
       weight = weight * material_.reflectance(half_vector().cosine);
     }
