@@ -10,6 +10,8 @@ ifeq ($(origin CXX),default)
   CXX := $(firstword $(foreach name,c++ g++ clang++,$(shell command -v $(name))))
 endif
 export CXX
+# For which instruction sets kernels are compiled: native (the best one that this machine has), all, or a list.
+export MICROFACET_INSTRUCTION_SETS ?= native
 
 MAKEFLAGS += --no-print-directory
 SHELL     := /bin/bash
@@ -23,20 +25,24 @@ export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 CORE     := $(shell find include bindings -type f 2>/dev/null) CMakeLists.txt pyproject.toml
 PACKAGE  := $(CORE) $(wildcard README.md) $(shell find src -type f -not -name "*.so" -not -name "*.pyc")
+INSTALLED := $(VENV)/.package-$(MICROFACET_INSTRUCTION_SETS)
 CXX_CODE := $(shell grep -rL --include='*.[ch]pp' 'do not edit by hand' include bindings src tests/cpp examples)  # generated files aside
 CXX_BUILD := $(BUILD)/$(notdir $(CXX))
 CXX_TESTS := cmake -S . -G Ninja -DMICROFACET_BUILD_TESTS=ON
 
 ##@ Use
 
-report: $(VENV)/.package  ## the report of all families and of a measured terrain; its last line is the path
+report: $(INSTALLED)  ## the report of all families and of a measured terrain; its last line is the path
 	$(BIN)/microfacet report --terrain --output report.html
 
-install: $(VENV)/.package  ## the package, its command and its report in a virtual environment, .venv
+install: $(INSTALLED)  ## the package, its command and its report in a virtual environment, .venv
+
+wheel: $(VENV)/.build  ## a wheel for other machines too, with kernels for all instruction sets, in dist/
+	$(call build,all,wheel --no-build-isolation --no-deps --wheel-dir dist --config-settings=install.strip=true .)
 
 ##@ Develop
 
-test: $(VENV)/.package $(VENV)/.test test-cpp  ## C++ tests (CTest), then Python tests (pytest)
+test: $(INSTALLED) $(VENV)/.test test-cpp  ## C++ tests (CTest), then Python tests (pytest)
 	$(BIN)/python -m pytest -n $(WORKERS) tests
 
 test-cpp: $(VENV)/.build  ## the C++ tests alone (CXX chooses the compiler, here and below)
@@ -60,7 +66,7 @@ fuzz: $(VENV)/.build  ## each fuzzing harness for FUZZ_SECONDS (600); CXX=clang+
 	  mkdir -p "$$harness.corpus"; \
 	  "$$harness" -runs=-1 -max_total_time=$(FUZZ_SECONDS) -max_len=512 -timeout=60 "$$harness.corpus"; done
 
-lint: $(VENV)/.package $(VENV)/.lint  ## ruff, mypy --strict, clang-format: report only
+lint: $(INSTALLED) $(VENV)/.lint  ## ruff, mypy --strict, clang-format: report only
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy --strict src/microfacet
@@ -73,40 +79,40 @@ format: $(VENV)/.lint  ## ruff and clang-format: mend what they can
 
 ##@ Measure
 
-bench: $(VENV)/.package $(VENV)/.bench  ## speed beside copy, exp, SciPy, Mitsuba; writes docs/performance.md (ARGS=--help)
+bench: $(INSTALLED) $(VENV)/.bench  ## speed beside copy, exp, SciPy, Mitsuba; writes docs/performance.md (ARGS=--help)
 	$(BIN)/python -m benchmarks run $(ARGS)
 
-bench-check: $(VENV)/.package  ## no kernel has become half as fast as benchmarks/thresholds.toml says it was
+bench-check: $(INSTALLED)  ## no kernel has become half as fast as benchmarks/thresholds.toml says it was
 	$(BIN)/python -m benchmarks check $(ARGS)
 
-docs-accuracy: $(VENV)/.package $(VENV)/.test  ## measure the accuracy again and write docs/accuracy.md
+docs-accuracy: $(INSTALLED) $(VENV)/.test  ## measure the accuracy again and write docs/accuracy.md
 	$(BIN)/python tools/measure_accuracy.py
 
 docs-formulas:  ## write the formulas of the report into docs/family
 	$(PYTHON) tools/write_formulas.py
 
-docs-sampling: $(VENV)/.package $(VENV)/.test  ## test every sampler of the full grid and write docs/sampling_tests.md (half an hour)
+docs-sampling: $(INSTALLED) $(VENV)/.test  ## test every sampler of the full grid and write docs/sampling_tests.md (half an hour)
 	$(BIN)/python tools/measure_sampling.py $(ARGS)
 
-docs-furnace: $(VENV)/.package $(VENV)/.test  ## measure every white furnace and write docs/furnace.md (an hour)
+docs-furnace: $(INSTALLED) $(VENV)/.test  ## measure every white furnace and write docs/furnace.md (an hour)
 	$(BIN)/python tools/measure_furnace.py $(ARGS)
 
-fit-coverage: $(VENV)/.package $(VENV)/.test  ## fit known slopes 200 times each and write docs/fitting_tests.md (some minutes)
+fit-coverage: $(INSTALLED) $(VENV)/.test  ## fit known slopes 200 times each and write docs/fitting_tests.md (some minutes)
 	$(BIN)/python tools/measure_fits.py $(ARGS)
 
-bench-materials: $(VENV)/.package $(VENV)/.bench  ## materials beside Mitsuba's, and walks per second
+bench-materials: $(INSTALLED) $(VENV)/.bench  ## materials beside Mitsuba's, and walks per second
 	$(BIN)/python -m benchmarks materials $(ARGS)
 
-bench-mitsuba: $(VENV)/.package $(VENV)/.bench  ## pictures by the Mitsuba plugins beside Mitsuba's own (some minutes)
+bench-mitsuba: $(INSTALLED) $(VENV)/.bench  ## pictures by the Mitsuba plugins beside Mitsuba's own (some minutes)
 	$(BIN)/python -m benchmarks mitsuba $(ARGS)
 
-docs-mitsuba: $(VENV)/.package $(VENV)/.test  ## test the samplers of the Mitsuba plugins and write docs/mitsuba_tests.md (half an hour)
+docs-mitsuba: $(INSTALLED) $(VENV)/.test  ## test the samplers of the Mitsuba plugins and write docs/mitsuba_tests.md (half an hour)
 	$(BIN)/python tools/measure_mitsuba.py $(ARGS)
 
-docs-traced: $(VENV)/.package $(VENV)/.bench  ## trace explicit surfaces, compare with the walk, write docs/traced_surface.md
+docs-traced: $(INSTALLED) $(VENV)/.bench  ## trace explicit surfaces, compare with the walk, write docs/traced_surface.md
 	$(BIN)/python tools/trace_surface.py $(ARGS)
 
-bench-fit: $(VENV)/.package $(VENV)/.bench  ## the fit beside the same likelihoods in SciPy (some minutes)
+bench-fit: $(INSTALLED) $(VENV)/.bench  ## the fit beside the same likelihoods in SciPy (some minutes)
 	$(BIN)/python -m benchmarks.fitting $(ARGS)
 
 ##@ Other
@@ -123,6 +129,14 @@ help:  ## this list
 requirements = <($(BIN)/python -c 'import functools, sys, tomllib; print(*functools.reduce(dict.get, \
 sys.argv[1:], tomllib.load(open("pyproject.toml", "rb"))), sep="\n")' $(1))
 
+# pip's own words are many and kept in a file; shown are what is built, how far the compiler is, and a failure's end.
+define build
+	@echo "Building microfacet with $$CXX; all messages are in $(VENV)/build.log"; \
+	MICROFACET_INSTRUCTION_SETS=$(1) $(BIN)/python -m pip --disable-pip-version-check --verbose $(2) 2>&1 | \
+	tee "$(VENV)/build.log" | grep --line-buffered -oE 'microfacet: building .*|\[[0-9]+/[0-9]+\] (Build|Link)ing .*' || \
+	{ tail -n 40 "$(VENV)/build.log" >&2; exit 1; }; echo "Built in $$SECONDS s"
+endef
+
 # The virtual environment. Each stamp file is newer than what it was made from, so a second call does nothing.
 
 $(VENV)/.venv:
@@ -137,11 +151,10 @@ $(VENV)/.build: pyproject.toml | $(VENV)/.venv
 	$(PIP) install cmake ninja -r $(call requirements,build-system requires)
 	@touch $@
 
-$(VENV)/.package: $(PACKAGE) | $(VENV)/.build
+$(INSTALLED): $(PACKAGE) | $(VENV)/.build
 	@command -v "$${CXX:-none}" >/dev/null || { echo "microfacet needs a C++20 compiler: \
 	install g++ (11 or newer) or clang++ (14 or newer)" >&2; exit 1; }
-	@echo "Building and installing microfacet in $(VENV) (some minutes the first time)"
-	$(PIP) install --no-build-isolation ".[report]"
+	$(call build,$(MICROFACET_INSTRUCTION_SETS),install --no-build-isolation ".[report]")
 	@touch $@
 
 $(VENV)/.test: pyproject.toml | $(VENV)/.venv
@@ -156,5 +169,5 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group lint
 	@touch $@
 
-.PHONY: report install test test-cpp sanitize fuzz headers lint format bench bench-check docs-accuracy docs-formulas \
-  docs-sampling docs-furnace docs-traced bench-materials fit-coverage bench-fit clean help
+.PHONY: report install wheel test test-cpp sanitize fuzz headers lint format bench bench-check docs-accuracy docs-formulas docs-sampling \
+  docs-furnace docs-traced bench-materials fit-coverage bench-fit clean help

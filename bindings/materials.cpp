@@ -60,7 +60,8 @@ struct material_operation {
 
   template <class Real>
   material_kernel<Real> kernel(const array_distribution<Real>& d) const {
-    if (of != event::count) return (transmits ? d.fused->dielectric : d.fused->conductor)[static_cast<std::size_t>(of)];
+    if (of != event::count)
+      return (transmits ? d.fused->dielectric : d.fused->conductor)[static_cast<std::size_t>(of)];
     if constexpr (std::is_same_v<Real, float>) {
       return single;
     } else {
@@ -83,7 +84,8 @@ void unit_direction(const array_distribution<Real>&, material_blocks<Real>& b) {
 }
 
 constexpr material_operation operations[] = {
-    {"unit_direction", 3, 0, 0, 3, 1, 0, false, event::count, &unit_direction<float>, &unit_direction<double>},
+    {"unit_direction", 3, 0, 0, 3, 1, 0, false, event::count, &unit_direction<float>,
+     &unit_direction<double>},
     {"conductor_eval", 8, 0, 2, 1, 2, 0, false, event::eval},
     {"conductor_pdf", 8, 0, 1, 1, 2, 0, false, event::pdf},
     {"conductor_sample", 9, 0, 3, 5, 1, 4, false, event::sample},
@@ -92,11 +94,22 @@ constexpr material_operation operations[] = {
     {"dielectric_pdf", 7, 0, 1, 1, 2, 0, true, event::pdf},
     {"dielectric_sample", 8, 0, 3, 5, 1, 4, true, event::sample},
     {"dielectric_facets", 7, 0, 1, 2, 2, 0, true, event::facets},
-#define MICROFACET_WALKS(MATERIAL, VALUES)                                                                    \
-  {#MATERIAL "_walk", VALUES - 3, 1, 2, 5, 1, 0, false, event::count, &walk_sample<MATERIAL, float>,          \
-   &walk_sample<MATERIAL, double>},                                                                           \
-      {#MATERIAL "_walk_eval",      VALUES, 1, 5, 1, 2, 0, false, event::count, &walk_eval<MATERIAL, float>, \
-       &walk_eval<MATERIAL, double>}
+#define MICROFACET_WALKS(MATERIAL, VALUES)                                                           \
+  {#MATERIAL "_walk",                                                                                \
+   VALUES - 3,                                                                                       \
+   1,                                                                                                \
+   2,                                                                                                \
+   5,                                                                                                \
+   1,                                                                                                \
+   0,                                                                                                \
+   false,                                                                                            \
+   event::count,                                                                                     \
+   &walk_sample<MATERIAL, float>,                                                                    \
+   &walk_sample<MATERIAL, double>},                                                                  \
+  {                                                                                                  \
+    #MATERIAL "_walk_eval", VALUES, 1, 5, 1, 2, 0, false, event::count, &walk_eval<MATERIAL, float>, \
+        &walk_eval<MATERIAL, double>                                                                 \
+  }
     MICROFACET_WALKS(conductor, 8),
     MICROFACET_WALKS(dielectric, 7),
     MICROFACET_WALKS(diffuse, 7),
@@ -148,9 +161,11 @@ class blocks_of_call : public material_blocks<Compute> {
       this->in[a] = in_place(a) ? reinterpret_cast<const Compute*>(at(a)) : in_[a].data();
       const bool uniform = a >= 3 * op_.directions && a < first_of_material();
       if (!in_place(a))
-        (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call_.steps[a], this->count, in_[a]);
+        (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call_.steps[a], this->count,
+                                                                    in_[a]);
     }
-    if (op_.elements != 0) gather<double>(at(op_.values), call_.steps[op_.values], this->count, this->element);
+    if (op_.elements != 0)
+      gather<double>(at(op_.values), call_.steps[op_.values], this->count, this->element);
     for (std::size_t k = 0, a = call_.ufunc.inputs(); k < op_.outputs; ++k, ++a)
       this->out[k] = in_place(a) ? reinterpret_cast<Compute*>(at(a)) : out_[k].data();
     return true;

@@ -22,15 +22,10 @@ bool add_parts(PyObject* module, const std::tuple<Tag...>&) {
          add_user_densities(module) && add_interfaces(module);
 }
 
-PyModuleDef definition{PyModuleDef_HEAD_INIT,
-                       MICROFACET_NAME,
-                       "Compiled kernels of microfacet.",
-                       -1,
-                       nullptr,
-                       nullptr,
-                       nullptr,
-                       nullptr,
-                       nullptr};
+PyModuleDef definition{.m_base = PyModuleDef_HEAD_INIT,
+                       .m_name = MICROFACET_NAME,
+                       .m_doc = "Compiled kernels of microfacet.",
+                       .m_size = -1};
 
 }  // namespace
 }  // namespace microfacet::bindings

@@ -96,8 +96,9 @@ def family(copy: pathlib.Path) -> Iterator[Any]:
     ]
     if sys.platform == "darwin":
         flags += ["-undefined", "dynamic_lookup"]
-    include = [f"-I{path}" for path in (copy / "include", sysconfig.get_path("include"), np.get_include())]
-    sources = [copy / "bindings" / name for name in ("module.cpp", "materials.cpp")]
+    include = [f"-I{path}" for path in (copy, copy / "include", sysconfig.get_path("include"), np.get_include())]
+    flags += ["-DMICROFACET_FAMILY=haze", '-DMICROFACET_FAMILY_HEADER="microfacet/family/haze.hpp"']
+    sources = [path for path in (copy / "bindings").glob("*.cpp") if path.name != "processor.cpp"]
     subprocess.run([str(COMPILER), *flags, *include, *sources, "-o", core], check=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_core, "haze", load("microfacet._core_of_the_walk.walk", core).haze, raising=False)

@@ -1,18 +1,27 @@
 // What the parameters of a ufunc mean: lanes of parameters -> distributions.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
+#include <cstdint>
 #include <memory>
+#include <new>
+#include <optional>
+#include <type_traits>
 #include <utility>
 
+#include "bindings/density/any_density.hpp"
 #include "bindings/density/table_cache.hpp"
 #include "bindings/loop/lanes.hpp"
 #include "microfacet/smith/ndf.hpp"
 
 namespace microfacet::bindings {
+
+inline constexpr std::size_t most_parameters = 8;
 
 // A model says what the parameters of a ufunc are: `scales` roughnesses (alpha, or alpha_x and alpha_y),
 // perhaps a rotation, then the family's own. The density's parameters start at `first`: behind the shape, or
@@ -25,7 +34,7 @@ struct isotropic_model {
   static constexpr std::size_t count = 1 + family::parameters.size();
 
   template <class Lanes>
-  static isotropic_shape<Lanes> shape(const double_double<Lanes>* p) {
+  static isotropic_shape<Lanes> shape(const double_double<Lanes>* p, const double* = nullptr) {
     return isotropic_shape<Lanes>(family::shape_invariant ? p[0] : double_double<Lanes>(Lanes(1)));
   }
 };
@@ -35,7 +44,7 @@ struct isotropic_model {
 template <class Tag>
 struct unstretched_model : isotropic_model<Tag> {
   template <class Lanes>
-  static anisotropic_shape<Lanes> shape(const double_double<Lanes>*) {
+  static anisotropic_shape<Lanes> shape(const double_double<Lanes>*, const double*) {
     const Lanes one(1);
     return anisotropic_shape<Lanes>(one, one, one, Lanes(0));
   }
@@ -48,42 +57,35 @@ struct stretched_model {
   static constexpr std::size_t first = 3, scales = 2;
   static constexpr std::size_t count = 3 + family::parameters.size();
 
+  // The rotation is a parameter of frozen distributions alone, which is constant.
   template <class Lanes>
-  static anisotropic_shape<Lanes> shape(const double_double<Lanes>* p) {
-    return anisotropic_shape<Lanes>(p[0], p[1], each_lane(p[2], [](double x) { return std::cos(x); }),
-                                    each_lane(p[2], [](double x) { return std::sin(x); }));
-  }
-
- private:
-  template <class Lanes, class Function>
-  static Lanes each_lane(const double_double<Lanes>& x, const Function& function) {
-    using real = typename scalar_traits<Lanes>::real;
-    std::array<real, sizeof(Lanes) / sizeof(real)> high, low;
-    const Lanes rest = low_of(x);
-    std::memcpy(high.data(), &x.high, sizeof x.high);
-    std::memcpy(low.data(), &rest, sizeof rest);
-    for (std::size_t i = 0; i < high.size(); ++i)
-      high[i] = static_cast<real>(function(static_cast<double>(high[i]) + static_cast<double>(low[i])));
-    Lanes result;
-    std::memcpy(&result, high.data(), sizeof result);
-    return result;
+  static anisotropic_shape<Lanes> shape(const double_double<Lanes>* p, const double* numbers) {
+    using real = lane_of<Lanes>;
+    return anisotropic_shape<Lanes>(p[0], p[1], Lanes(static_cast<real>(std::cos(numbers[2]))),
+                                    Lanes(static_cast<real>(std::sin(numbers[2]))));
   }
 };
 
-// The interval in which parameter a leaves float32 room for its square, and a scale for the reciprocal of that.
+// Outside of these float32 has no room for the square of a parameter, nor for the reciprocal of a scale's. A nan
+// lies nowhere.
+struct interval {
+  double lower, upper;
+  bool excludes(double x) const { return (x < lower) | (x > upper); }
+};
 template <class Model>
-constexpr std::array<double, 2> float32_interval(std::size_t a) {
-  if (a < Model::scales) return {1e-6, 1e6};
-  const double most = a < Model::count - Model::family::parameters.size() ? inf : 1e18;
-  return {-most, most};
+constexpr std::array<interval, most_parameters> float32_ranges() {
+  std::array<interval, most_parameters> ranges{};
+  for (std::size_t a = 0; a < Model::count; ++a) {
+    const double most = a < Model::count - Model::family::parameters.size() ? inf : 1e18;
+    ranges[a] = a < Model::scales ? interval{1e-6, 1e6} : interval{-most, most};
+  }
+  return ranges;
 }
 template <class Model>
 bool fits_float32(const double* parameters, bool samples_visible) {
   using family = typename Model::family;
-  for (std::size_t a = 0; a < Model::count; ++a) {
-    const auto [lower, upper] = float32_interval<Model>(a);
-    if (parameters[a] < lower || parameters[a] > upper) return false;
-  }
+  for (std::size_t a = 0; a < Model::count; ++a)
+    if (float32_ranges<Model>()[a].excludes(parameters[a])) return false;
   // Steep slopes of a heavy tail leave float32.
   if constexpr (float32_sampling_range<family>) {
     if (samples_visible) return family::sampling_fits_float32(parameters[Model::first]);
@@ -107,10 +109,14 @@ auto make_family(const double_double<Lanes>* p) {
     return typename Model::tag::template type<Lanes>(p[Model::first + I].high...);
   }(std::make_index_sequence<Model::count - Model::first>());
 }
-template <class Family, class Shape, class Lanes>
-ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& shape,
-                                            const double_double<Lanes>*) {
+// Of lanes of type Lanes.
+template <class Lanes, class Family, class Shape>
+MICROFACET_INLINE ndf<Family, Lanes, Shape> make_distribution(const Family& family, const Shape& shape) {
   return {family, shape};
+}
+template <class Model, class Lanes>
+MICROFACET_INLINE auto varying_distribution(const double_double<Lanes>* p) {
+  return make_distribution<Lanes>(make_family<Model>(p), Model::shape(p));
 }
 
 // No variable of a function: its first call would hold a lock of the compiler's, which a fork copies.
@@ -133,8 +139,9 @@ std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameter
   }
   return cache_of<Tag, Real, count>.get(
       key, functions, [&key](radial_tables<Real>& tables, unsigned missing) {
+        using density = typename Tag::template type<lanes<double>>;
         const auto build = [&]<std::size_t... I>(std::index_sequence<I...>) {
-          tables.build(typename Tag::template type<lanes<double>>(lanes<double>(key[I])...), missing);
+          build_tables(tables, any_density_of(density(lanes<double>(key[I])...)), missing);
         };
         build(std::make_index_sequence<count>());
       });
@@ -159,11 +166,6 @@ auto table_density(const Tables& tables) {
   }
 }
 
-template <class Model, class Lanes>
-MICROFACET_INLINE auto own_distribution(const double_double<Lanes>* p) {
-  return make_distribution(make_family<Model>(p), Model::shape(p), p);
-}
-
 // Parameters that are the same for all elements, with all digits of what is stored. What is made of them does
 // not depend on the operation, and is compiled once.
 template <class Model>
@@ -183,12 +185,65 @@ std::array<double_double<Lanes>, Model::count> in_all_lanes(const parameter_valu
 template <class Model, class Lanes>
 [[gnu::noinline]] auto constant_distribution(const parameter_values<Model>& numbers) {
   const auto p = in_all_lanes<Model, Lanes>(numbers);
-  return own_distribution<Model>(p.data());
+  return make_distribution<Lanes>(make_family<Model>(p.data()), Model::shape(p.data(), numbers.data()));
 }
 template <class Model, class Lanes, class Tables>
 [[gnu::noinline]] auto tabulated_distribution(const Tables& tables, const parameter_values<Model>& numbers) {
   const auto p = in_all_lanes<Model, Lanes>(numbers);
-  return make_distribution(table_density<Model, Lanes>(tables), Model::shape(p.data()), p.data());
+  return make_distribution<Lanes>(table_density<Model, Lanes>(tables),
+                                  Model::shape(p.data(), numbers.data()));
+}
+
+// A distribution for one call of a kernel, and the tables that it reads.
+struct distribution_in_use {
+  std::shared_ptr<const void> tables;
+  alignas(64) std::array<std::byte, 4096> distribution;
+
+  template <class Distribution>
+  void hold(const Distribution& d) {
+    static_assert(std::is_trivially_destructible_v<Distribution> && sizeof d <= sizeof distribution);
+    new (distribution.data()) Distribution(d);
+  }
+};
+
+// The constant distribution that was asked for last: a call on one number, and each inner loop of a call that
+// broadcasts, would set it up anew. A thread that finds another one here does so.
+template <class Model, class Lanes>
+struct last_distribution {
+  using distribution = decltype(constant_distribution<Model, Lanes>({}));
+  constinit inline static std::atomic_flag busy;
+  constinit inline static std::optional<std::pair<parameter_values<Model>, distribution>> last;
+};
+// Make a distribution of its own forms, and on tables of `functions`: false where there are none that keep the
+// accuracy contract.
+template <class Model, class Lanes>
+bool use_own_forms(const double* parameters, unsigned, distribution_in_use& in_use) {
+  parameter_values<Model> numbers;
+  std::copy_n(parameters, Model::count, numbers.begin());
+  const auto same_bits = [](double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  };
+  auto& last = last_distribution<Model, Lanes>::last;
+  std::atomic_flag& busy = last_distribution<Model, Lanes>::busy;
+  if (busy.test_and_set(std::memory_order_acquire)) {
+    in_use.hold(constant_distribution<Model, Lanes>(numbers));
+    return true;
+  }
+  if (!last || !std::equal(numbers.begin(), numbers.end(), last->first.begin(), same_bits))
+    last.emplace(numbers, constant_distribution<Model, Lanes>(numbers));
+  in_use.hold(last->second);
+  busy.clear(std::memory_order_release);
+  return true;
+}
+template <class Model, class Lanes>
+bool use_tables(const double* parameters, unsigned functions, distribution_in_use& in_use) {
+  const auto tables = tables_of<Model, lane_of<Lanes>>(parameters, functions);
+  if (tables == nullptr) return false;
+  parameter_values<Model> numbers;
+  std::copy_n(parameters, Model::count, numbers.begin());
+  in_use.hold(tabulated_distribution<Model, Lanes>(*tables, numbers));
+  in_use.tables = tables;
+  return true;
 }
 
 }  // namespace microfacet::bindings

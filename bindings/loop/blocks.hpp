@@ -86,33 +86,42 @@ template <class Compute>
 using block_kernel = void (*)(const void* context, const Compute* const* in, Compute* const* out,
                               std::ptrdiff_t n);
 
-// Where parameters are constant the kernel knows them by its context.
+// Evaluates the n elements from `start` on. Where parameters are constant the kernel knows them by its context.
 template <class Compute, class T>
-void in_blocks(const block_plan& plan, char* const* args, const std::ptrdiff_t* steps, std::ptrdiff_t n,
-               bool constant, block_kernel<Compute> kernel, const void* context) {
+void in_blocks(const block_plan& plan, char* const* args, const std::ptrdiff_t* steps, std::ptrdiff_t start,
+               std::ptrdiff_t n, bool constant, block_kernel<Compute> kernel, const void* context) {
   constexpr std::size_t most = 16;
+  constexpr std::ptrdiff_t full = filled_up<Compute>;
   std::array<buffer<Compute>, most> buffers;
   std::array<const Compute*, most> in;
   std::array<Compute*, most> out;
-  for (std::ptrdiff_t first = 0; first < n; first += block_length) {
-    const std::ptrdiff_t count = std::min(block_length, n - first);
-    const auto direct = [&](std::size_t a) {
-      return std::is_same_v<T, Compute> && steps[a] == sizeof(T) && count % filled_up<Compute> == 0;
-    };
-    const auto at = [&](std::size_t a) { return args[a] + first * steps[a]; };
-    for (std::size_t a = 0; a < (constant ? plan.values : plan.inputs); ++a) {
-      in[a] = buffers[a].data();
-      if (plan.wide_parameters && a >= plan.values)
+  const std::size_t inputs = constant ? plan.values : plan.inputs;
+  const auto is_wide = [&](std::size_t a) {
+    return plan.wide_parameters && a >= plan.values && a < plan.inputs;
+  };
+  const auto contiguous = [&](std::size_t a) {
+    return std::is_same_v<T, Compute> && steps[a] == sizeof(T) && !is_wide(a);
+  };
+  bool all = true;
+  for (std::size_t a = 0; a < inputs; ++a) all = all && contiguous(a);
+  for (std::size_t a = plan.inputs; a < plan.inputs + plan.outputs; ++a) all = all && contiguous(a);
+  // Contiguous arrays of the kernel's own type need no blocks, but for what does not fill the lanes.
+  for (std::ptrdiff_t first = 0, count; first < n; first += count) {
+    const std::ptrdiff_t left = n - first;
+    count = all && left >= full ? left / full * full : std::min(block_length, left);
+    const auto at = [&](std::size_t a) { return args[a] + (start + first) * steps[a]; };
+    const auto direct = [&](std::size_t a) { return contiguous(a) && count % full == 0; };
+    for (std::size_t a = 0; a < inputs; ++a) {
+      in[a] = direct(a) ? reinterpret_cast<const Compute*>(at(a)) : buffers[a].data();
+      if (direct(a)) continue;
+      if (is_wide(a))
         gather<double>(at(a), steps[a], count, buffers[a]);
-      else if (direct(a))
-        in[a] = reinterpret_cast<const Compute*>(at(a));
       else if (a < plan.values && a + plan.uniforms >= plan.values)
         gather_uniform<T>(at(a), steps[a], count, buffers[a]);
       else
         gather<T>(at(a), steps[a], count, buffers[a]);
       if (!std::is_same_v<T, Compute> && plan.of_cosine && a == 0)
-        round_cosines<T>(buffers[a],
-                         (count + filled_up<Compute> - 1) / filled_up<Compute> * filled_up<Compute>);
+        round_cosines<T>(buffers[a], (count + full - 1) / full * full);
     }
     for (std::size_t k = 0; k < plan.outputs; ++k) {
       const std::size_t a = plan.inputs + k;

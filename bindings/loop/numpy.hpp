@@ -43,6 +43,10 @@ void guarded(char** args, const npy_intp* dimensions, const npy_intp* steps, voi
   }
 }
 
+// The loop of a quantity of a density, whose operation_kernels are its data (loops.cpp).
+template <class T>
+void density_loop(char** args, const npy_intp* dimensions, const npy_intp* steps, void* data);
+
 // NumPy keeps pointers to these for as long as the ufunc lives, which is until Python ends.
 struct ufunc_record {
   std::array<PyUFuncGenericFunction, 2> loops;

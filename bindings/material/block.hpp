@@ -36,7 +36,8 @@ struct material_blocks {
   // A direction of unit length.
   template <class Lanes>
   vec3<Lanes> direction(std::size_t k, int i) const {
-    return normalize(vec3<Lanes>{at<Lanes>(k, i), at<Lanes>(k + 1, i), at<Lanes>(k + 2, i)}, Lanes(tolerance));
+    return normalize(vec3<Lanes>{at<Lanes>(k, i), at<Lanes>(k + 1, i), at<Lanes>(k + 2, i)},
+                     Lanes(tolerance));
   }
   template <class Lanes>
   block3<Real> directions(std::size_t k) const {

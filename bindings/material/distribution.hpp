@@ -38,7 +38,9 @@ class array_distribution {
 
   bool has(quantity q) const { return of(q).kernel != nullptr; }
   void D(int n, const block3<Real>& m, block<Real>& out) const { call(quantity::D, n, m, out.data()); }
-  void sigma(int n, const block3<Real>& w, block<Real>& out) const { call(quantity::sigma, n, w, out.data()); }
+  void sigma(int n, const block3<Real>& w, block<Real>& out) const {
+    call(quantity::sigma, n, w, out.data());
+  }
   // By the scheme for walks, from four arrays of uniform numbers.
   void visible(int n, const block3<Real>& w, const block<Real>* xi, block3<Real>& m) const {
     draw(has(quantity::visible_of_mixture) ? quantity::visible_of_mixture : quantity::visible, n, w,

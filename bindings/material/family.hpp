@@ -52,7 +52,9 @@ struct kernels_for_materials {
         if (op == nullptr) continue;
         const kernel_set<Real>& kernels = op->of<Real>();
         const bool closed = op->samples_visible && draws_in_closed_form<Model>(numbers.data());
-        const void* const table = closed ? nullptr : kernels.table_of_one_register ? one_register : two_registers;
+        const void* const table = closed                          ? nullptr
+                                  : kernels.table_of_one_register ? one_register
+                                                                  : two_registers;
         if (kernels.table != nullptr && table != nullptr) {
           d.functions[k] = {kernels.table, table};
         } else if (kernels.constant != nullptr && own != nullptr) {

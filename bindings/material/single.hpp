@@ -54,13 +54,12 @@ struct single_scattering {
     block3<Real> above, m;
     while (b.next()) {
       const materials made(b, 7);
-      for (int i = 0; i < b.padded; i += width<L>)
-        put(pair(made[i], wi(b, i), wi(b, i)).wi(), above, i);
+      for (int i = 0; i < b.padded; i += width<L>) put(pair(made[i], wi(b, i), wi(b, i)).wi(), above, i);
       d.draw(bounded ? quantity::visible_bounded : quantity::visible, b.padded, above,
              {b.in[3], b.in[4], b.in[5], b.in[6]}, m);
       for (int i = 0; i < b.padded; i += width<L>) {
-        drawn_direction<L> r = sample_at(made[i], ndf, wi(b, i), at<L>(m, i), b.template at<L>(6, i), correlated,
-                                         radiance, kept);
+        drawn_direction<L> r = sample_at(made[i], ndf, wi(b, i), at<L>(m, i), b.template at<L>(6, i),
+                                         correlated, radiance, kept);
         if (bounded) {
           const L density = bounded_density(ndf, wi(b, i), r.wo);
           r.weight = select(density > L(0), L(r.weight * (r.pdf / density)), L(L(0) * r.weight));
@@ -123,7 +122,8 @@ struct single_scattering {
     if constexpr (!material::transmits && requires { ndf.family().bounded_facet(L(), L(), L(), L(), L()); }) {
       const half_vector<L> half = half_vector_reflection(wi, wo);
       const L density = pdf_visible_bounded(ndf, half.m, wi);
-      return select((half.cosine > L(0)) & (wi.z > L(0)), L(density * (L(0.25) / half.cosine)), L(L(0) * density));
+      return select((half.cosine > L(0)) & (wi.z > L(0)), L(density * (L(0.25) / half.cosine)),
+                    L(L(0) * density));
     } else {
       return wi.z;
     }

@@ -55,7 +55,8 @@ void walk_sample(const array_distribution<Real>& d, material_blocks<Real>& b) {
   while (b.next()) {
     walk->sample(task_of<Material>(b, 3), wo, weight, order);
     for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
-      const Real factor = factor_of_walk<Material>(b, 3, i, wo.z[i], b.constant[1] != 0);  // results may be arguments
+      const Real factor =
+          factor_of_walk<Material>(b, 3, i, wo.z[i], b.constant[1] != 0);  // results may be arguments
       b.out[0][i] = wo.x[i], b.out[1][i] = wo.y[i], b.out[2][i] = wo.z[i];
       b.out[3][i] = weight[i] * factor, b.out[4][i] = order[i];
     }
@@ -74,7 +75,8 @@ void walk_eval(const array_distribution<Real>& d, material_blocks<Real>& b) {
     for (std::uint64_t k = 0; k < number; ++k) walk->evaluate(task, wo, k, first, last, sum);
     for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
       // nan of a direction that is none; of a material that is none the sum is nan.
-      const Real invalid = Real(0) * (task.wi.x[i] + task.wi.y[i] + task.wi.z[i] + wo.x[i] + wo.y[i] + wo.z[i]);
+      const Real invalid =
+          Real(0) * (task.wi.x[i] + task.wi.y[i] + task.wi.z[i] + wo.x[i] + wo.y[i] + wo.z[i]);
       const Real factor = factor_of_walk<Material>(b, 6, i, wo.z[i], b.constant[1] != 0);
       b.out[0][i] = (factor == 0 ? Real(0) : sum[i] / static_cast<Real>(number) * factor) + invalid;
     }

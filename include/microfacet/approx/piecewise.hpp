@@ -52,7 +52,8 @@ struct piecewise : Location {
     requires(!Location::searches)
   {
     const double_double<R> x2 = two_prod(x, x);
-    const R inside = minimum(maximum(x, smallest<R>()), R(1)), v = log_ratio<2>(inside, absent(), R(centre[0]));
+    const R inside = minimum(maximum(x, smallest<R>()), R(1)),
+            v = log_ratio<2>(inside, absent(), R(centre[0]));
     const R first_piece = of_piece<most_pieces / 2>(v, elementary::integers<R>(0));
     const R f = select(x2.high >= R(lower), (*this)(x2), first_piece);
     return select(x >= smallest<R>(), f, R(R(at_zero) + (x - x)));

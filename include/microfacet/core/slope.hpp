@@ -70,7 +70,6 @@ visible_slopes<T> select(const Mask& mask, const visible_slopes<T>& a, const vis
   return {select(mask, a.along, b.along), select(mask, a.across, b.across)};
 }
 
-
 // Bounds a slope t >= 0 so that its square is finite.
 template <class T>
 slope<T> bounded(const slope<T>& t) {

@@ -58,9 +58,8 @@ struct beckmann_start {
 }  // namespace detail
 
 template <class T>
-class beckmann
-    : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
-                                    part::quantile_across | part::started_inversion> {
+class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
+                                               part::quantile_across | part::started_inversion> {
  public:
   static constexpr std::string_view name = "beckmann";
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",

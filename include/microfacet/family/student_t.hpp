@@ -25,12 +25,11 @@
 namespace microfacet {
 
 template <class T>
-class student_t
-    : public radial_defaults<T,
-                             part::scaled_P2 | part::survival_by_slope | part::direct_radius |
-                                 part::scaled_excess | part::tail_quotients |
-                                 part::special_slope_sampling | part::float32_sampling_range,
-                             of_slope_sf | of_slope_excess> {
+class student_t : public radial_defaults<T,
+                                         part::scaled_P2 | part::survival_by_slope | part::direct_radius |
+                                             part::scaled_excess | part::tail_quotients |
+                                             part::special_slope_sampling | part::float32_sampling_range,
+                                         of_slope_sf | of_slope_excess> {
  public:
   static constexpr std::string_view name = "student_t";
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};

@@ -10,8 +10,8 @@
 
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
-#include "microfacet/core/vec.hpp"
 #include "microfacet/core/slope.hpp"
+#include "microfacet/core/vec.hpp"
 
 namespace microfacet {
 

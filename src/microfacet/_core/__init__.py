@@ -1,7 +1,7 @@
 """The compiled kernels, in the best build that this processor runs.
 
-The same source is compiled for several instruction sets, each into a module of its own: ``baseline`` and, on
-x86-64, ``avx2`` and ``avx512``. The environment variable ``MICROFACET_ISA`` forces one of them. Results are
+The same source is compiled for instruction sets, each into a module of its own: ``baseline`` and, on x86-64,
+``avx2`` and ``avx512``; a wheel holds all of them, a build from source the best of its machine. The environment variable ``MICROFACET_ISA`` forces one of them. Results are
 the same bits in all builds that round a * b + c once, that is in all but an x86-64 baseline.
 """
 
@@ -9,17 +9,23 @@ from __future__ import annotations
 
 import os
 from importlib import import_module
-from importlib.util import find_spec
+from pkgutil import iter_modules
 
 from microfacet._core.processor import instruction_sets
 
 __all__ = ["available", "isa"]
 
-# Of those that the processor has; a compiler that lacks one leaves its module out.
-available = tuple(name for name in instruction_sets() if find_spec(f"{__name__}.{name}"))
+# Of those that the processor has: a wheel holds all, a local build the best one of its machine.
+_built = [module.name for module in iter_modules(__path__) if module.name != "processor"]
+available = tuple(name for name in instruction_sets() if name in _built)
 
 
 def _chosen() -> str:
+    if not available:
+        raise ImportError(
+            f"microfacet was built for {', '.join(_built)}, which this processor does not have: build it on this "
+            "machine, or for all machines with MICROFACET_INSTRUCTION_SETS=all in the environment of pip"
+        )
     forced = os.environ.get("MICROFACET_ISA")
     if forced is None:
         return available[-1]

@@ -143,7 +143,8 @@ class random_walk {
     }
     block<T> part;
     for (int i = 0; i < rays_.padded; i += step)
-      put(at(rays_.throughput, i) * phase(i) * target(i).reached_from(at(rays_.depth, i), crosses(i)), part, i);
+      put(at(rays_.throughput, i) * phase(i) * target(i).reached_from(at(rays_.depth, i), crosses(i)), part,
+          i);
     for (int k = 0; k < rays_.alive; ++k) sum[rays_.index(rays_.slot(k))] += part[rays_.index(k)];
   }
   walk_target<Lanes> target(int i) const { return {at(target_, i), at(sigma_of_target_, i)}; }

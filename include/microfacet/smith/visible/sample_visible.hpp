@@ -79,9 +79,8 @@ template <class Family, class T>
 
 // By a start and one step, in float32.
 template <class Family>
-concept starts =
-    sizeof(typename scalar_traits<typename Family::scalar>::real) == 4 &&
-    (started_inversion<Family> || requires(const Family f) { f.visible().start.steps; });
+concept starts = sizeof(typename scalar_traits<typename Family::scalar>::real) == 4 &&
+                 (started_inversion<Family> || requires(const Family f) { f.visible().start.steps; });
 template <class Family, class T>
 MICROFACET_INLINE visible_slopes<T> start_visible_slopes(const Family& family, const T& x, const T& xi0,
                                                          const T& xi1, const T& xi2) {

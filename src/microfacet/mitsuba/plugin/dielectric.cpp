@@ -69,8 +69,7 @@ Float rough_dielectric::density(const local_pair& at, const half_vector<Float>& 
   // One alone is drawn for every facet.
   if (wanted.reflection) return select(reflected, pdf_of_mirrors(facets.D, facets.inverse_sigma), Float(0));
   const Float share = at.material().reflectance(m.cosine);
-  const Float refracted =
-      at.material().refracted(at.wi(), at.wo(), m, facets.D, facets.inverse_sigma);
+  const Float refracted = at.material().refracted(at.wi(), at.wo(), m, facets.D, facets.inverse_sigma);
   return select(reflected | (share >= Float(1)), Float(0),
                 Float(refracted / maximum(Float(1) - share, Float(1e-6F))));
 }
@@ -134,12 +133,11 @@ std::pair<Spectrum, Float> rough_dielectric::eval_pdf(const mi::BSDFContext& con
   active &= drawn < Float(inf);  // close to index 1 a density may be no number
   Float pdf = wanted.both() ? drawn : density(at, m, facets, wanted);
   const dielectric_facets walls = facets_at(si, r, at, active);
-  Spectrum result =
-      polarised(context, si, wo_, at, normalize(m.m), walls.tint(wo.z < Float(0)) * select(active, value, Float(0)));
+  Spectrum result = polarised(context, si, wo_, at, normalize(m.m),
+                              walls.tint(wo.z < Float(0)) * select(active, value, Float(0)));
   if (multiple_) {
     reject_gradients(r, eta_, walls.mirrored_tint, walls.passed_tint);
-    const walk_seed seed =
-        walk_seed::of(wi.x, wi.y, si.wi.z(), wo.x, wo.y, wo.z, si.p.x(), si.p.y());
+    const walk_seed seed = walk_seed::of(wi.x, wi.y, si.wi.z(), wo.x, wo.y, wo.z, si.p.x(), si.p.y());
     const Unpolarized rest = facet_walk(*distribution_, r, walls, seed).rest(wi, wo, active);
     result += depolarised(rest * at.radiance_scale(radiance));
     pdf = proposal_pdf(wo.z, drawn);
@@ -232,7 +230,9 @@ Spectrum rough_dielectric::eval_diffuse_reflectance(const Interaction& si, Mask 
     const vec3<Float> m = distribution_->sample_visible(r, at.wi(), xi.facet);
     const Float share = at.material().reflectance(dot(at.wi(), m));
     // Below 0 light is always reflected, at 2 it passes where it can.
-    const auto leaving = [&](float choice) { return leaving_share(normals, at.drawn(m, Float(choice)), inverse); };
+    const auto leaving = [&](float choice) {
+      return leaving_share(normals, at.drawn(m, Float(choice)), inverse);
+    };
     return Unpolarized(walls.mirrored_tint * (share * leaving(-1)) +
                        walls.passed_tint * ((Float(1) - share) * leaving(2)));
   }));

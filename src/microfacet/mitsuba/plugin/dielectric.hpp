@@ -56,8 +56,8 @@ class rough_dielectric final : public rough_bsdf {
   using local_pair = scattering_pair<dielectric<Float>, Float>;
 
   // The density of directions drawn, where perhaps one component alone is wanted.
-  static Float density(const local_pair& at, const half_vector<Float>& m, const facet_statistics<Float>& facets,
-                       const components& wanted);
+  static Float density(const local_pair& at, const half_vector<Float>& m,
+                       const facet_statistics<Float>& facets, const components& wanted);
   dielectric_facets facets_at(const Interaction& si, const roughness& r, const local_pair& at,
                               const Mask& active) const;
   // As rough_conductor's.

@@ -92,8 +92,7 @@ class rough_bsdf : public Base {
   // Of light that a facet sends on, the part that leaves, for a pair that was drawn and inverse = 1/sigma(wi).
   template <class Pair>
   Float leaving_share(const normals_at& normals, const Pair& drawn, const Float& inverse) const {
-    const Float share =
-        drawn.leaving_side({Float(0), inverse, sigma_out(normals, drawn.wo())}, correlated_);
+    const Float share = drawn.leaving_side({Float(0), inverse, sigma_out(normals, drawn.wo())}, correlated_);
     return select(share > Float(0), share, Float(0));
   }
   // A normal that wi sees, from the two uniform numbers of a sample and more that are made of their bits.
