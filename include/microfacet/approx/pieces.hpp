@@ -1,7 +1,6 @@
 // Where the pieces of a table end: what both ways of placing them share.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
