@@ -129,7 +129,8 @@ struct material_call {
   npy_intp n;
 };
 
-// The blocks of a call. Contiguous arrays of the kernel's type are used in place, others pass through buffers.
+// The blocks of a call. Contiguous arrays of the kernel's type are used in place, others pass through
+// buffers.
 template <class Compute, class T>
 class blocks_of_call : public material_blocks<Compute> {
  public:

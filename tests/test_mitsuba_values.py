@@ -314,7 +314,9 @@ def test_walks_among_very_many_facets_end_by_roulette(tmp_path: Path) -> None:
     up = np.broadcast_to(np.array([0.0, 0.0, 1.0], np.float32), (n, 3))
     xi = np.random.default_rng(5).random((n, 3)).astype(np.float32)
     mirror = {"type": OURS["conductor"], "alpha": alpha, "scattering": "multiple"}
-    answers = mitsuba_answers.ask({"mirror": {"bsdf": mirror}}, LLVM, tmp_path, wi=up, wo=up, xi=xi, uv=xi[:, :2])
+    answers = mitsuba_answers.ask(
+        {"mirror": {"bsdf": mirror}}, LLVM, tmp_path, wi=up, wo=up, xi=xi, uv=xi[:, :2]
+    )
     weight = answers["mirror"]["weight"][:, 0]
     expected = mf.Conductor(mf.GGX(alpha=alpha), scattering="multiple").walk(up, rng=1)[1]
     assert set(np.unique(weight)) <= {0.0, *2.0 ** np.arange(20)}

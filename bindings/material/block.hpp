@@ -1,4 +1,5 @@
-// Blocks of elements as a material's kernel sees them: arrays of values, and numbers that are the same for all.
+// Blocks of elements as a material's kernel sees them: arrays of values, and numbers that are the same for
+// all.
 #pragma once
 
 #include <array>
@@ -13,8 +14,8 @@ namespace microfacet::bindings {
 
 inline constexpr std::size_t most_values = 12, most_constants = 6, most_results = 5;
 
-// A kernel sets up what it needs once, and asks for one block after the other. Arrays are valid up to `padded`, a multiple
-// of any number of lanes.
+// A kernel sets up what it needs once, and asks for one block after the other. Arrays are valid up to
+// `padded`, a multiple of any number of lanes.
 template <class Real>
 struct material_blocks {
   bool (*turn)(material_blocks&);  // to the next block, as long as there is one

@@ -1,5 +1,5 @@
-// A distribution as the materials' kernels take it, whatever its family: functions on arrays, which walks and samplers
-// call, and the fused kernels of single scattering that know its type.
+// A distribution as the materials' kernels take it, whatever its family: functions on arrays, which walks and
+// samplers call, and the fused kernels of single scattering that know its type.
 #pragma once
 
 #include <array>
@@ -65,14 +65,14 @@ class array_distribution {
 // The tables of any density under the shape of directions.
 template <class Real>
 using tabulated_directions = ndf<tabulated<lanes<Real>>, lanes<Real>, anisotropic_shape<lanes<Real>>>;
-// Fused kernels that are compiled once, in materials.cpp: on the tables of any density, and on the functions on arrays,
-// for densities without good tables, in double precision alone.
+// Fused kernels that are compiled once, in materials.cpp: on the tables of any density, and on the functions
+// on arrays, for densities without good tables, in double precision alone.
 template <class Real>
 const fused_kernels<Real>& fused_kernels_on_tables();
 const fused_kernels<double>& fused_kernels_on_arrays();
 
-// A family for materials: its parameters, and its distributions made for the length of a call. `then` is not called, and
-// the result false, where arithmetic in Real does not serve these parameters.
+// A family for materials: its parameters, and its distributions made for the length of a call. `then` is not
+// called, and the result false, where arithmetic in Real does not serve these parameters.
 template <class Real>
 using with_distribution = bool (*)(const double* parameters,
                                    void (*then)(const array_distribution<Real>&, void*), void* data);

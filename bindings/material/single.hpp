@@ -1,5 +1,6 @@
 // Single scattering of blocks of elements, fused: one pass from directions to results, by the assembly of
-// bsdf/scattering_pair.hpp. Only visible normals are drawn on arrays before, by the kernels of sample_visible.
+// bsdf/scattering_pair.hpp. Only visible normals are drawn on arrays before, by the kernels of
+// sample_visible.
 #pragma once
 
 #include <array>
@@ -70,8 +71,8 @@ struct single_scattering {
       }
     }
   }
-  // wi, m, material | correlated: what the facets m send on their way and out, of light from wi, per steradian of
-  // normals: mirrored, and passed.
+  // wi, m, material | correlated: what the facets m send on their way and out, of light from wi, per
+  // steradian of normals: mirrored, and passed.
   [[gnu::flatten]] static void facets(const array_distribution<Real>& d, blocks& b) {
     const distribution ndf = Source::of(d);
     const bool correlated = b.constant[0] != 0;
@@ -100,7 +101,8 @@ struct single_scattering {
       &eval, &pdf, &sample, &facets};
 
  private:
-  // The material of each element, whose parameters start at value k; one of them, where it is the same for all.
+  // The material of each element, whose parameters start at value k; one of them, where it is the same for
+  // all.
   class materials {
    public:
     materials(const blocks& b, std::size_t k) : b_(b), k_(k), first_(made(0)) {}

@@ -11,7 +11,8 @@ namespace microfacet {
 template <class T>
 class conductor {
  public:
-  // The indices of refraction of the metal over that of the medium above, eta - i k; eta = inf is a perfect mirror.
+  // The indices of refraction of the metal over that of the medium above, eta - i k; eta = inf is a perfect
+  // mirror.
   static constexpr int parameters = 2, uniforms = 0;
   static constexpr bool transmits = false, closed = true;
 

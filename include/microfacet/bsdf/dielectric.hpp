@@ -51,8 +51,8 @@ class dielectric {
   auto refracts(const vec3<T>& wo, const microfacet::half_vector<T>& m) const {
     return (m.cosine > T(0)) & (dot(wo, m.m) < T(0)) & (m.m.z > T(0)) & (eta_ != T(1));
   }
-  // Of the two cosines that the directions make with m, the one in the thinner medium determines the other, which
-  // changes little with it.
+  // Of the two cosines that the directions make with m, the one in the thinner medium determines the other,
+  // which changes little with it.
   T refracted(const vec3<T>& wi, const vec3<T>& wo, const microfacet::half_vector<T>& m, const T& D,
               const T& inverse_sigma) const {
     const T before = m.cosine, behind = -dot(wo, m.m);
@@ -63,8 +63,8 @@ class dielectric {
     const T density = cosine * D * inverse_sigma * refraction_jacobian(cosine, cosine_t, eta_);
     return select(refracts(wo, m), share(split.passed, density), unrefracted(wi, wo));
   }
-  // What is sent to wo where no facet refracts: an interface of equal indices deflects nothing, and all goes to -wi, whose
-  // density is infinite.
+  // What is sent to wo where no facet refracts: an interface of equal indices deflects nothing, and all goes
+  // to -wi, whose density is infinite.
   T unrefracted(const vec3<T>& wi, const vec3<T>& wo) const {
     const auto straight = (eta_ == T(1)) & (wo.x == -wi.x) & (wo.y == -wi.y) & (wo.z == -wi.z);
     return select(straight, T(inf), T(T(0) * (eta_ + wo.z)));

@@ -17,8 +17,8 @@ class diffuse {
   explicit diffuse(const T& albedo) : albedo_(nan_unless((albedo >= T(0)) & (albedo <= T(1)), albedo)) {}
   explicit diffuse(const T* p) : diffuse(p[0]) {}
 
-  // The part of the light on a facet m that goes to wo, per steradian. No closed form says which facets see both wo and
-  // wi, so m is drawn.
+  // The part of the light on a facet m that goes to wo, per steradian. No closed form says which facets see
+  // both wo and wi, so m is drawn.
   T phase(const vec3<T>& wo, const vec3<T>& m) const {
     return albedo_ * T(1 / pi) * maximum(dot(wo, m), T(0));
   }

@@ -1,5 +1,6 @@
-// Fresnel's equations for unpolarised light, at a smooth interface. eta is the index of refraction below the surface over
-// the one above it; a conductor has eta - i k. What depends on these alone is computed once for many angles.
+// Fresnel's equations for unpolarised light, at a smooth interface. eta is the index of refraction below the
+// surface over the one above it; a conductor has eta - i k. What depends on these alone is computed once for
+// many angles.
 #pragma once
 
 #include "microfacet/core/exact_sums.hpp"
@@ -7,8 +8,8 @@
 
 namespace microfacet {
 
-// What is reflected and what passes, each to full relative accuracy, and the cosine of the transmitted direction to the
-// other side of the normal; 0 beyond the critical angle, where all is reflected.
+// What is reflected and what passes, each to full relative accuracy, and the cosine of the transmitted
+// direction to the other side of the normal; 0 beyond the critical angle, where all is reflected.
 template <class T>
 struct fresnel_split {
   T reflected, passed, cosine;
@@ -24,9 +25,9 @@ T scale_of_index(const T& index) {
 
 // Takes the cosine to the normal, >= 0, on the side where light comes from. Gives nan unless eta > 0.
 //
-// Close to the critical angle and close to eta = 1 the equations take differences of what is almost equal: eta^2 - 1 is
-// kept in two numbers, and c - root written as its square over the sum. All but the cosines is homogeneous in (eta, 1):
-// both are scaled down where eta is huge.
+// Close to the critical angle and close to eta = 1 the equations take differences of what is almost equal:
+// eta^2 - 1 is kept in two numbers, and c - root written as its square over the sum. All but the cosines is
+// homogeneous in (eta, 1): both are scaled down where eta is huge.
 template <class T>
 class dielectric_interface {
  public:
@@ -66,8 +67,8 @@ fresnel_split<T> fresnel_dielectric(const T& cosine, const T& eta) {
 }
 
 // The reflectance; nan unless eta > 0 and k >= 0. Born and Wolf, Principles of Optics, section 14.4.1, with
-// n^2 - sin^2 = (a - i b)^2, n = eta - i k; the reflectance of s is |n^2 - 1|^2/|c + a - i b|^4. Scaled as above. All is
-// one fraction, of which a = an/ad, so that there is one division.
+// n^2 - sin^2 = (a - i b)^2, n = eta - i k; the reflectance of s is |n^2 - 1|^2/|c + a - i b|^4. Scaled as
+// above. All is one fraction, of which a = an/ad, so that there is one division.
 template <class T>
 class metal_interface {
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;

@@ -24,8 +24,9 @@ vec3<T> select(const Mask& mask, const vec3<T>& a, const vec3<T>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
-// Normalises w, of any length but 0; gives nan along 0 and along what is no number. Leaves a direction alone whose
-// squared length is 1 to `tolerance`, a few roundings, so that directions which this library made stay as they are.
+// Normalises w, of any length but 0; gives nan along 0 and along what is no number. Leaves a direction alone
+// whose squared length is 1 to `tolerance`, a few roundings, so that directions which this library made stay
+// as they are.
 template <class T>
 vec3<T> normalize(const vec3<T>& w, const T& tolerance) {
   const auto near_1 = abs(T(dot(w, w) - T(1))) <= tolerance;
@@ -58,7 +59,8 @@ template <class T>
 T largest_index() {
   return T(0x1p60);
 }
-// The normal of the facet that takes one direction to another, and the cosine that the first one makes with it.
+// The normal of the facet that takes one direction to another, and the cosine that the first one makes with
+// it.
 template <class T>
 struct half_vector {
   vec3<T> m;
@@ -68,15 +70,16 @@ template <class T, class Mask>
 half_vector<T> select(const Mask& mask, const half_vector<T>& a, const half_vector<T>& b) {
   return {select(mask, a.m, b.m), select(mask, a.cosine, b.cosine)};
 }
-// Gives the facet that reflects wi into wo. Its normal is wi + wo as it stands, since distributions look at slopes alone;
-// the length of that is twice the cosine. wo = -wi has no such facet, and 0 is a normal of density 0.
+// Gives the facet that reflects wi into wo. Its normal is wi + wo as it stands, since distributions look at
+// slopes alone; the length of that is twice the cosine. wo = -wi has no such facet, and 0 is a normal of
+// density 0.
 template <class T>
 half_vector<T> half_vector_reflection(const vec3<T>& wi, const vec3<T>& wo) {
   const vec3<T> sum = axpy(wi, wo, T(1));
   return {sum, T(T(0.5) * sqrt(dot(sum, sum)))};
 }
-// Gives the facet that refracts wi into wo, of unit length, on the side of wi; such a facet exists where wo lies on its
-// other side. Where wi + eta wo is 0 the normal is one that no facet has.
+// Gives the facet that refracts wi into wo, of unit length, on the side of wi; such a facet exists where wo
+// lies on its other side. Where wi + eta wo is 0 the normal is one that no facet has.
 template <class T>
 half_vector<T> half_vector_transmission(const vec3<T>& wi, const vec3<T>& wo, const T& eta) {
   const vec3<T> sum = axpy(wi, wo, minimum(eta, largest_index<T>()));

@@ -1,5 +1,5 @@
-// What facets send on their way and how much of that leaves the surface, from projected areas rather than Lambda,
-// which is infinite along the horizon.
+// What facets send on their way and how much of that leaves the surface, from projected areas rather than
+// Lambda, which is infinite along the horizon.
 #pragma once
 
 #include "microfacet/core/math.hpp"
@@ -9,8 +9,8 @@
 
 namespace microfacet {
 
-// What the distribution says of a pair of directions on the side of wi: its density at the facet that takes one to the
-// other, 1/sigma(wi), and the area sigma(-wo) in the way of wo (sigma(wo) for wo below).
+// What the distribution says of a pair of directions on the side of wi: its density at the facet that takes
+// one to the other, 1/sigma(wi), and the area sigma(-wo) in the way of wo (sigma(wo) for wo below).
 template <class T>
 struct facet_statistics {
   T D, inverse_sigma;
@@ -56,8 +56,8 @@ T pdf_of_mirrors(const T& D, const T& inverse_sigma) {
   return T(0.25) * D * inverse_sigma;
 }
 
-// G2(wi, wo)/G1(wi), wi above: 1/(1 + G1(wi) Lambda(wo)) for reflection, wo above; the Beta form for transmission, wo
-// below (Heitz 2014). Uncorrelated, G1(wo).
+// G2(wi, wo)/G1(wi), wi above: 1/(1 + G1(wi) Lambda(wo)) for reflection, wo above; the Beta form for
+// transmission, wo below (Heitz 2014). Uncorrelated, G1(wo).
 template <bool Transmits, class T>
 T shadowing(const T& wi_z, const T& wo_z, const facet_statistics<T>& at, bool correlated) {
   const T up = abs(wo_z), G1 = wi_z * at.inverse_sigma, seen = correlated ? G1 : T(1);

@@ -1,5 +1,6 @@
-// A pair of directions and the facet between them: the one place where density, masking, Fresnel's equations and
-// Jacobians come together. A distribution offers D(m) for a normal of any length and sigma(w) for unit directions.
+// A pair of directions and the facet between them: the one place where density, masking, Fresnel's equations
+// and Jacobians come together. A distribution offers D(m) for a normal of any length and sigma(w) for unit
+// directions.
 #pragma once
 
 #include "microfacet/bsdf/conductor.hpp"
@@ -61,7 +62,8 @@ class scattering_pair {
   T radiance_scale(bool radiance) const {
     return radiance ? select(wo_.z < T(0), square(T(T(1) / material_.eta())), T(1)) : T(1);
   }
-  // What leaves the surface of the light that facets send to wo. A surface between equal indices is none, and all leaves.
+  // What leaves the surface of the light that facets send to wo. A surface between equal indices is none, and
+  // all leaves.
   T leaving(const facet_statistics<T>& at, bool correlated, bool radiance) const {
     const T seen = shadowing<transmits>(wi_.z, wo_.z, at, correlated);
     if constexpr (transmits) {
@@ -84,8 +86,8 @@ class scattering_pair {
     const densities d = parts(ndf, inverse_sigma(ndf, wi_));
     return select(wi_.z > T(0), T(d.mirrors + d.lenses), T(T(0) * (wi_.z + wo_.z)));
   }
-  // Of a pair that asks anew for a direction that was drawn; passed: 1 where it crossed its facet. The weight is a number
-  // also where f |cos wo| and pdf are infinite or nothing.
+  // Of a pair that asks anew for a direction that was drawn; passed: 1 where it crossed its facet. The weight
+  // is a number also where f |cos wo| and pdf are infinite or nothing.
   template <class Distribution>
   drawn_direction<T> result(const Distribution& ndf, const T& passed, bool correlated, bool radiance) const {
     const facet_statistics<T> at{T(0), inverse_sigma(ndf, wi_), sigma_out(ndf, wo_)};
@@ -114,7 +116,8 @@ class scattering_pair {
     const T seen = shadowing<transmits>(wi_.z, wo_.z, at, correlated);
     return select(leaves, seen, T(T(0) * at.inverse_sigma));
   }
-  // What leaves of the light that facets m mirror (a pair drawn with 0) or let pass (with 1), per steradian of normals.
+  // What leaves of the light that facets m mirror (a pair drawn with 0) or let pass (with 1), per steradian
+  // of normals.
   T of_facet(const vec3<T>& m, const facet_statistics<T>& at, bool correlated) const {
     const T cosine = dot(wi_, m), visible = maximum(cosine, T(0)) * at.D * at.inverse_sigma;
     T part = material_.reflectance(cosine);

@@ -1,7 +1,8 @@
-// Light that meets one facet: f |cos wo|, the density of directions drawn by visible normals, and these directions.
+// Light that meets one facet: f |cos wo|, the density of directions drawn by visible normals, and these
+// directions.
 //
-// Directions have unit length. A drawn direction is asked anew for its facets, so that its density is the one that pdf
-// says of it, however far rounding has moved it from the facet that was drawn.
+// Directions have unit length. A drawn direction is asked anew for its facets, so that its density is the one
+// that pdf says of it, however far rounding has moved it from the facet that was drawn.
 #pragma once
 
 #include <array>
@@ -56,8 +57,8 @@ class kept_numbers {
   bool narrow_;
 };
 
-// Moves a drawn direction by a rounding where its density is infinite, as at the peak of a sharp distribution: of what is
-// drawn both f and the density are numbers. Equal indices have no others.
+// Moves a drawn direction by a rounding where its density is infinite, as at the peak of a sharp
+// distribution: of what is drawn both f and the density are numbers. Equal indices have no others.
 template <class Material, class T>
 vec3<T> beside_peak(const Material& material, const vec3<T>& wo, const T& pdf, const T& largest,
                     const T& rounding) {
@@ -66,8 +67,8 @@ vec3<T> beside_peak(const Material& material, const vec3<T>& wo, const T& pdf, c
   return {select(infinite, T(wo.x + rounding), wo.x), wo.y, wo.z};
 }
 
-// The direction into which the facet m, which wi sees, scatters; `choice` chooses between reflection and transmission. m
-// is in the coordinates of scattering_pair.
+// The direction into which the facet m, which wi sees, scatters; `choice` chooses between reflection and
+// transmission. m is in the coordinates of scattering_pair.
 template <class Material, class Distribution, class T>
 drawn_direction<T> sample_at(const Material& material, const Distribution& ndf, const vec3<T>& wi,
                              const vec3<T>& m, const T& choice, bool correlated, bool radiance,
@@ -82,7 +83,8 @@ drawn_direction<T> sample_at(const Material& material, const Distribution& ndf, 
   }
 }
 
-// Draws a direction from three uniform numbers for the facet and one that chooses between reflection and transmission.
+// Draws a direction from three uniform numbers for the facet and one that chooses between reflection and
+// transmission.
 template <class Material, class Distribution, class T>
 drawn_direction<T> sample(const Material& material, const Distribution& ndf, const vec3<T>& wi,
                           const vec3<T>& xi, const T& choice, bool correlated = true, bool radiance = true) {

@@ -1,7 +1,7 @@
 // Scattering of all orders, by the steps of walk/step.hpp.
 //
-// Many walks go side by side, one step of all of them at a time, and those that have left make room: the functions of the
-// distribution see full arrays.
+// Many walks go side by side, one step of all of them at a time, and those that have left make room: the
+// functions of the distribution see full arrays.
 #pragma once
 
 #include <array>

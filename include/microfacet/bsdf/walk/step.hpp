@@ -1,11 +1,11 @@
-// One step of the random walk of light on a Smith microsurface, without approximation (Heitz, Hanika, d'Eon and
-// Dachsbacher, Multiple-scattering microfacet BSDFs with the Smith model, 2016; d'Eon, A Hitchhiker's Guide to Multiple
-// Scattering).
+// One step of the random walk of light on a Smith microsurface, without approximation (Heitz, Hanika, d'Eon
+// and Dachsbacher, Multiple-scattering microfacet BSDFs with the Smith model, 2016; d'Eon, A Hitchhiker's
+// Guide to Multiple Scattering).
 //
-// With depth = -log of the share of heights below, Smith's surface is a half-space in which light towards w meets facets
-// at the rate sigma(-w) per length and leaves upwards at depth 0; heights have the uniform distribution, on which nothing
-// depends. Light that passes a facet goes on in coordinates that are turned over (w -> -w), in which the share of heights
-// below is 1 minus what it was.
+// With depth = -log of the share of heights below, Smith's surface is a half-space in which light towards w
+// meets facets at the rate sigma(-w) per length and leaves upwards at depth 0; heights have the uniform
+// distribution, on which nothing depends. Light that passes a facet goes on in coordinates that are turned
+// over (w -> -w), in which the share of heights below is 1 minus what it was.
 #pragma once
 
 #include "microfacet/bsdf/geometry.hpp"
@@ -14,8 +14,8 @@
 
 namespace microfacet {
 
-// The depth after a flight towards w, of which w_z and sigma = sigma(-w) are given; negative for light that has left.
-// Optical lengths are exponential.
+// The depth after a flight towards w, of which w_z and sigma = sigma(-w) are given; negative for light that
+// has left. Optical lengths are exponential.
 template <class T>
 T depth_after(const T& depth, const T& w_z, const T& sigma, const T& xi) {
   constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
@@ -33,8 +33,8 @@ T depth_from_below(const T& depth) {
   return -log(maximum(T(-expm1(-depth)), smallest<T>()));
 }
 
-// The probability to go on after `met` facets of light whose brightest colour has this throughput. Russian roulette:
-// faint light goes on seldom, with more weight; so does any, after very many facets.
+// The probability to go on after `met` facets of light whose brightest colour has this throughput. Russian
+// roulette: faint light goes on seldom, with more weight; so does any, after very many facets.
 template <class T>
 T chance_to_go_on(const T& throughput, const T& met) {
   const T faint = minimum(maximum(T(throughput * T(4)), T(0.05)), T(1));
@@ -47,8 +47,8 @@ struct light_behind {
   vec3<T> w;
   T depth, factor;  // what roulette makes of its throughput, 0 where it ends
 };
-// w and passed: what the facet did with the light; throughput: what is left of its brightest colour; met: how many facets
-// it had met before.
+// w and passed: what the facet did with the light; throughput: what is left of its brightest colour; met: how
+// many facets it had met before.
 template <class T, class Mask>
 light_behind<T> behind_facet(const vec3<T>& w, const Mask& passed, const T& depth, const T& throughput,
                              const T& met, const T& xi) {

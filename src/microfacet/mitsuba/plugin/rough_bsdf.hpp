@@ -46,7 +46,8 @@ inline Float resolution_of(const vec3<Float>& wi, const vec3<Float>& m) {
   return dr::detach(Float(1e-7F) / maximum(Float(abs(dot(wi, m))), Float(1e-3F)));
 }
 
-// The distribution at a place of the surface, as the assembly of bsdf/scattering_pair.hpp asks for it of light from wi.
+// The distribution at a place of the surface, as the assembly of bsdf/scattering_pair.hpp asks for it of
+// light from wi.
 class normals_at {
  public:
   normals_at(const distribution& normals, const roughness& r, const vec3<Float>& wi)
@@ -89,7 +90,8 @@ class rough_bsdf : public Base {
   }
 
   roughness roughness_at(const Interaction& si, const Mask& active) const;
-  // Of light that a facet sends on, the part that leaves, for a pair that was drawn and inverse = 1/sigma(wi).
+  // Of light that a facet sends on, the part that leaves, for a pair that was drawn and inverse =
+  // 1/sigma(wi).
   template <class Pair>
   Float leaving_share(const normals_at& normals, const Pair& drawn, const Float& inverse) const {
     const Float share = drawn.leaving_side({Float(0), inverse, sigma_out(normals, drawn.wo())}, correlated_);

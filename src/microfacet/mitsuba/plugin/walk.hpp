@@ -1,5 +1,5 @@
-// Scattering of all orders: the random walk of bsdf/walk/step.hpp as one traced loop. Random numbers are functions of
-// two words and of the number of facets met.
+// Scattering of all orders: the random walk of bsdf/walk/step.hpp as one traced loop. Random numbers are
+// functions of two words and of the number of facets met.
 #pragma once
 
 #include <drjit/while_loop.h>
@@ -37,7 +37,8 @@ struct walk_seed {
 
 // `Facets` says what facets do:
 //   scatter(back, m, below, xi)      a facet_event
-//   phase(back, side, below, sigma)  what they send from `back`, which sees the area `sigma`, to `side`, per steradian
+//   phase(back, side, below, sigma)  what they send from `back`, which sees the area `sigma`, to `side`,
+//                                    per steradian
 template <class Facets>
 class facet_walk {
  public:
