@@ -320,7 +320,6 @@ def test_walks_among_very_many_facets_end_by_roulette(tmp_path: Path) -> None:
     weight = answers["mirror"]["weight"][:, 0]
     expected = mf.Conductor(mf.GGX(alpha=alpha), scattering="multiple").walk(up, rng=1)[1]
     assert set(np.unique(weight)) <= {0.0, *2.0 ** np.arange(20)}
-    for value in (0.0, 1.0, 2.0, 4.0):
-        share = np.mean(expected == value)
-        assert share > 0.01
-        assert abs(np.mean(weight == value) - share) < 6.0 * np.sqrt(share / n)
+    for ours, theirs in ((expected == 1, weight == 1), (expected > 1, weight > 1)):
+        assert ours.any() and theirs.any()
+        assert abs(np.mean(theirs) - np.mean(ours)) < 5.0 * np.sqrt(2 * np.mean(ours) / n)
