@@ -2,10 +2,11 @@
 
     python tools/derive_visible.py > include/microfacet/special/coefficients/visible.hpp
 
-Of K0 Lambert's W. Of Beckmann the polynomials of smith/visible/started.hpp in X/(1.5 + X), X = abs(cot(theta)), and the root of the depth. A step
-of Halley's method makes an error of 1e-2 one of 1e-7, so weighted least squares in double precision, whose weights
-follow the errors (Lawson), are near enough to the minimax. A slope may be off by a part of itself, or of the distance to its end, that
-grows as less probability lies beyond: what counts is the probability after the step.
+Of K0 Lambert's W. Of Beckmann the polynomials of smith/visible/started.hpp in X/(1.5 + X),
+X = abs(cot(theta)), and the root of the depth. A step of Halley's method makes an error of 1e-2 one of 1e-7, so
+weighted least squares in double precision, whose weights follow the errors (Lawson), are near enough to the
+minimax. A slope may be off by a part of itself, or of the distance to its end, that grows as less probability
+lies beyond: what counts is the probability after the step.
 """
 
 from __future__ import annotations
@@ -52,7 +53,9 @@ def tail(t: Array) -> Array:
 def excess(t: Array) -> Array:
     """slope_excess/P2: a difference, or a series where it would cancel."""
     y = 0.25 / np.maximum(t * t, 1.0)
-    return np.asarray(np.where(t < 30, 0.5 - t * tail(t), y * (1 - y * (6 - y * (60 - y * (840 - y * 15120))))))
+    return np.asarray(
+        np.where(t < 30, 0.5 - t * tail(t), y * (1 - y * (6 - y * (60 - y * (840 - y * 15120)))))
+    )
 
 
 def solved(depth: Callable[[Array], Array], wanted: Array, low: float, high: float) -> Array:
@@ -66,7 +69,7 @@ def solved(depth: Callable[[Array], Array], wanted: Array, low: float, high: flo
 
 
 def fit(shape: tuple[int, int], x: Array, depth: Array, values: Array, weights: Array) -> tuple[float, Array]:
-    """Coefficients (powers of depth, powers of x) where a weight is positive, and the largest weighted error."""
+    """Coefficients (powers of depth, powers of x) by the positive weights, and the largest weighted error."""
     used = weights > 0
     x, depth, values, weights = x[used], depth[used], values[used], weights[used]
     powers = (depth[:, None] ** np.arange(shape[0]))[:, :, None]
@@ -119,14 +122,16 @@ def lower() -> tuple[float, Array]:
     t, rest = x / (1 + np.exp(odds)), x / (1 + np.exp(-odds))
     beyond = np.exp(-(root**2)) * whole / (x + excess(x) * density(x))
     short = np.minimum(t + 0.05, 0.7)
-    tolerance = np.minimum(np.minimum(rest, short) / np.cbrt(beyond + LEAST), np.where(rest > 0.3 * t, 4 * short, 9.0))
+    tolerance = np.minimum(
+        np.minimum(rest, short) / np.cbrt(beyond + LEAST), np.where(rest > 0.3 * t, 4 * short, 9.0)
+    )
     values = -np.log(rest / x) / root**2 * (WIDTH + x)
     weights = np.where(beyond > LEAST, rest * root**2 / (WIDTH + x) / tolerance, 0.0)
     return fit((5, 6), x / (WIDTH + x), root, values, weights)
 
 
 def k0(largest: float, degree: int) -> tuple[float, list[float], list[float]]:
-    """g/s with (1 + g) exp(-g) = exp(-s^2/2) as a quotient whose numerator has one degree more, by Lawson's weights."""
+    """g/s with (1 + g) exp(-g) = exp(-s^2/2) as a quotient whose numerator has one degree more."""
     s = largest * chebyshev(160) + 1e-6
     ratio = solved(lambda g: g - np.log1p(g), s * s / 2, 0, 800) / s
     small = s < 1e-2  # where that cancels
@@ -142,7 +147,11 @@ def k0(largest: float, degree: int) -> tuple[float, list[float], list[float]]:
         errors = np.abs(above @ c[: degree + 2] / denominator / ratio - 1)
         if errors.max() < best[0]:
             powers = largest ** -np.arange(degree + 2.0)
-            best = errors.max(), c[: degree + 2] * powers, np.append(1.0, c[degree + 2 :] * powers[1 : degree + 1])
+            best = (
+                errors.max(),
+                c[: degree + 2] * powers,
+                np.append(1.0, c[degree + 2 :] * powers[1 : degree + 1]),
+            )
         weight = weight * (errors / errors.max() + 1e-3) ** 0.3
     return float(best[0]), list(best[1]), list(best[2])
 
@@ -160,7 +169,9 @@ def text() -> str:
         error, c = made()
         comment = f"{(made.__doc__ or '').rstrip('.')}: error {error:.1e}"
         values = [float(f"{v:.6g}") for v in c.ravel()]  # no more digits than any library agrees on
-        parts.append(bivariate(f"visible_{made.__name__}", comment, (c.shape[1],) * len(c), values, np.float32))
+        parts.append(
+            bivariate(f"visible_{made.__name__}", comment, (c.shape[1],) * len(c), values, np.float32)
+        )
     return bivariate_header("derive_visible.py", parts).replace(" in 60 digits", "")
 
 

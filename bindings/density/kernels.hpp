@@ -126,11 +126,11 @@ struct operation_kernels {
   }
 };
 
-// How an operation is evaluated from tables. Two registers interleave the chains of look-ups; what iterates or
-// searches is no chain. Visible normals are drawn without a loop in float32 and iterate in float64.
+// How an operation is evaluated from tables. Two registers interleave the chains of look-ups; what iterates, as visible
+// normals do in float64, or searches is no chain.
 template <class Operation, class Real, bool Searches = false>
 constexpr bool table_of_one_register =
-    Searches || Operation::solves || (Operation::samples_from_tables && std::is_same_v<Real, double>);
+    Searches || (Operation::samples_from_tables && std::is_same_v<Real, double>);
 
 template <class Model, class Operation, bool Varying, class Real>
 constexpr kernel_set<Real> kernels_of() {

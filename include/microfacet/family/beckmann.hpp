@@ -59,7 +59,8 @@ struct beckmann_start {
 
 template <class T>
 class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
-                                               part::quantile_across | part::started_inversion> {
+                                               part::quantile_across | part::mixture_sampling |
+                                               part::started_inversion> {
  public:
   static constexpr std::string_view name = "beckmann";
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
@@ -130,6 +131,9 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma 
   static T over_density(const T& t) { return T(sqrt_pi) * exp(minimum(T(t * t), T(80))); }
   // The slope across the plane of incidence is independent of that in it.
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
+  // Where a table gives J(t)/t = 1/v: M(P) = (1 - xi) M(t), and the slope across.
+  T moment_beyond(const T& t, const T& xi) const { return sqrt(t * t - log1p(-xi)); }
+  T across_of_tables(const T&, const T& xi, const T&) const { return across_by_quantile(xi); }
 
  private:
   // Where exp(-t^2) is zero its quotients have asymptotic series in -1/(2t)^2 (Abramowitz and Stegun 7.2.14).

@@ -114,20 +114,15 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
   // method on g - log(1 + g) follows.
   static T excess_quantile(const T& V) {
     using namespace coefficients;
-    const T L = -log(V), s = sqrt(maximum(T(T(2) * L), T(0)));
-    const T g = s * polynomial(by_precision<T>(k0_excess_numerator_32, k0_excess_numerator_64), s) /
+    const T L = -log(V), s = sqrt(maximum(T(T(2) * L), T(0))),
+            g = s * polynomial(by_precision<T>(k0_excess_numerator_32, k0_excess_numerator_64), s) /
                 polynomial(by_precision<T>(k0_excess_denominator_32, k0_excess_denominator_64), s);
-    if constexpr (sizeof(typename scalar_traits<T>::real) == 4) {
-      return g;
-    } else {
-      const T r = less_log1p(g) - L, more = T(1) + g;
-      return maximum(T(g - T(2) * r * g * more / maximum(T(T(2) * g * g - r), smallest<T>())), T(0));
-    }
+    if constexpr (sizeof(typename scalar_traits<T>::real) == 4) return g;
+    const T r = less_log1p(g) - L, more = T(1) + g;
+    return maximum(T(g - T(2) * r * g * more / maximum(T(T(2) * g * g - r), smallest<T>())), T(0));
   }
-  // g - log(1 + g), by its series where that cancels.
-  static T less_log1p(const T& g) {
-    const T s = g / (T(2) + g), s2 = s * s;  // log(1 + g) = 2 atanh(s), g = 2s/(1 - s)
-    T series(0);
+  static T less_log1p(const T& g) {               // g - log(1 + g), by its series where that cancels
+    T s = g / (T(2) + g), s2 = s * s, series(0);  // log(1 + g) = 2 atanh(s), g = 2s/(1 - s)
     for (int k = 15; k >= 3; k -= 2) series = s2 * series + T(1.0 / k);
     return select(g < T(0.5), T(s * (g - T(2) * s2 * series)), T(g - log1p(g)));
   }

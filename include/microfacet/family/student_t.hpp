@@ -25,11 +25,12 @@
 namespace microfacet {
 
 template <class T>
-class student_t : public radial_defaults<T,
-                                         part::scaled_P2 | part::survival_by_slope | part::direct_radius |
-                                             part::scaled_excess | part::tail_quotients |
-                                             part::special_slope_sampling | part::float32_sampling_range,
-                                         of_slope_sf | of_slope_excess> {
+class student_t
+    : public radial_defaults<T,
+                             part::scaled_P2 | part::survival_by_slope | part::direct_radius |
+                                 part::scaled_excess | part::tail_quotients | part::mixture_sampling |
+                                 part::special_slope_sampling | part::float32_sampling_range,
+                             of_slope_sf | of_slope_excess> {
  public:
   static constexpr std::string_view name = "student_t";
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};
@@ -131,6 +132,13 @@ class student_t : public radial_defaults<T,
   // Of a slope in three dimensions at survival exp(-depth), given its component `along`: the rest of it.
   T across(const T& along, const T& depth) const {
     return sqrt(k_ + along * along) * sqrt(expm1(T(depth / (k_ + T(0.5)))));
+  }
+  // Where a table gives J(t)/t = 1/v: M(P) = (1 - xi) M(t), and the slope across.
+  T moment_beyond(const T& t, const T& xi) const {
+    return sqrt(t * t + (k_ + t * t) * expm1(T(-log1p(-xi) / (k_ - T(0.5)))));
+  }
+  T across_of_tables(const T& along, const T& xi, const T& turn) const {
+    return this->across(along, T(-log1p(-xi))) * elementary::cos_sin_of_turns(T(T(0.5) * turn)).cosine;
   }
   static bool sampling_fits_float32(double gamma) { return gamma >= 2.5; }
   // gamma = 3 takes two uniforms.

@@ -54,7 +54,7 @@ class visible_curves {
     std::array<double, 320> d, N;
     double density = P2_, from = 0, sum = 0;
     for (std::size_t i = 0; i < d.size(); ++i) {
-      d[i] = X / (1 + std::exp(18 - 0.1 * static_cast<double>(i)));
+      d[i] = i + 1 < d.size() ? X / (1 + std::exp(18 - 0.1 * static_cast<double>(i))) : X;
       const double there = f.P2(X - d[i]);
       N[i] = sum + 0.25 * (density + there) * (d[i] - from) * (d[i] + from);
       sum = N[i], from = d[i], density = there;

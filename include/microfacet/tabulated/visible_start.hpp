@@ -24,6 +24,7 @@ class visible_start {
   static constexpr std::size_t pieces = 16, of_x = 3, of_depth = 10, terms = of_x * of_depth;
   // The roots of the largest depths; where a slope leans away 1 - xi is 2^-24 at least.
   static constexpr double deepest = 6, deepest_lower = 4.1;
+  static constexpr float farthest = 8192 - 0x1p-11F;  // of 1 + X/scale
 
  public:
   int steps = 0;  // that end within the rounding of float32; 0 where the start is too far
@@ -39,7 +40,7 @@ class visible_start {
     const T p = value<2 * pieces>(above_, here, shifted(here.piece, at.lower));
     const T grown = expm1(select(at.lower, T(-at.depth * p), p));
     // Far from the density a slope that leans away no longer depends on X.
-    const T X = minimum(at.X, T(255 / per_scale_));
+    const T X = minimum(at.X, T((farthest - 1) / per_scale_));
     return select(at.lower, T(-X * grown), multiply_add(parabola, grown, parabola));
   }
   template <class T, class Mask>
@@ -59,25 +60,33 @@ class visible_start {
       using integers = elementary::integers<T>;
       using elementary::bits;
       using elementary::from_bits;
-      const T y = minimum(multiply_add(at.X, T(s.per_scale_), T(1)), T(256 - 0x1p-16));
+      const T y = minimum(multiply_add(at.X, T(s.per_scale_), T(1)), T(farthest));
       const integers above_one = elementary::wrapping_difference(integers(bits(y)), integers(one));
-      piece = above_one >> 22;
-      const T fraction = from_bits(integers((above_one & integers((1 << 22) - 1)) | integers(one)), y);
-      x = multiply_add(T(4), fraction, T(-5));
+      // Half octaves up to 8, then whole ones.
+      const auto near = y < T(8);
+      const auto fraction = [&](int width) {
+        return from_bits(integers((above_one & integers((1 << width) - 1)) | integers(one)), y);
+      };
+      piece = chosen(near, integers(above_one >> 22), integers((above_one >> 23) + integers(3)));
+      x = select(near, multiply_add(T(4), fraction(22), T(-5)), multiply_add(T(2), fraction(23), T(-3)));
       depth = multiply_add(minimum(at.root, select(at.lower, T(deepest_lower), T(deepest))),
                            select(at.lower, T(2 / deepest_lower), T(2 / deepest)), T(-1));
     }
   };
   static constexpr std::int32_t one = 0x3f800000;
 
+  template <class Mask, class Integers>
+  MICROFACET_INLINE static Integers chosen(const Mask& mask, const Integers& a, const Integers& b) {
+    if constexpr (std::is_same_v<Mask, bool>) {
+      return mask ? a : b;
+    } else {
+      return select(mask, a, b);
+    }
+  }
   // The second half of the rows belongs to slopes that lean away.
   template <class Integers, class Mask>
   MICROFACET_INLINE static Integers shifted(const Integers& piece, const Mask& lower) {
-    if constexpr (std::is_same_v<Mask, bool>) {
-      return piece + (lower ? 16 : 0);
-    } else {
-      return piece + select(lower, Integers(16), Integers(0));
-    }
+    return piece + chosen(lower, Integers(16), Integers(0));
   }
   template <std::size_t N, class Rows, class T>
   MICROFACET_INLINE static T value(const Rows& rows, const place<T>& at, const elementary::integers<T>& i) {
@@ -105,7 +114,9 @@ void visible_start::build(const Functions& f) {
   steps = 0;
   if (!(peak > 1e-30F && peak < 1e30F)) return;
   const auto direction = [&](std::size_t piece, double u) {
-    const double y = std::exp2(static_cast<double>(piece / 2)) * ((piece % 2 ? 1.5 : 1) + (u + 1) / 4);
+    const double half = std::exp2(static_cast<double>(piece / 2)) * ((piece % 2 ? 1.5 : 1) + (u + 1) / 4),
+                 whole = std::exp2(static_cast<double>(piece) - 3) * (1 + (u + 1) / 2),
+                 y = piece < 6 ? half : whole;
     return curves(f, scale * (y - 1), scale);
   };
   double error = 0;
