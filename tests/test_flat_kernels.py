@@ -1,7 +1,7 @@
 """Kernels that are one chain of operations hold no call in their loops: disassembled, not believed.
 
-A call for each pack passes its arguments through memory and takes half of the speed; whether [[gnu::flatten]] leaves
-one depends on flags that no other test would miss.
+A call for each pack passes its arguments through memory and takes half of the speed; whether
+[[gnu::flatten]] leaves one depends on flags that no other test would miss.
 """
 
 from __future__ import annotations

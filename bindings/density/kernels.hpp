@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "bindings/density/models.hpp"
+#include "bindings/density/distributions.hpp"
 #include "bindings/loop/blocks.hpp"
 #include "bindings/loop/lanes.hpp"
 #include "microfacet/core/vec.hpp"

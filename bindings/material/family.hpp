@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "bindings/density/models.hpp"
+#include "bindings/density/distributions.hpp"
 #include "bindings/density/operations.hpp"
 #include "bindings/material/distribution.hpp"
 #include "bindings/material/single.hpp"

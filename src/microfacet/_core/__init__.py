@@ -1,8 +1,9 @@
 """The compiled kernels, in the best build that this processor runs.
 
 The same source is compiled for instruction sets, each into a module of its own: ``baseline`` and, on x86-64,
-``avx2`` and ``avx512``; a wheel holds all of them, a build from source the best of its machine. The environment variable ``MICROFACET_ISA`` forces one of them. Results are
-the same bits in all builds that round a * b + c once, that is in all but an x86-64 baseline.
+``avx2`` and ``avx512``; a wheel holds all of them, a build from source the best of its machine. The
+environment variable ``MICROFACET_ISA`` forces one of them. Results are the same bits in all builds that round
+a * b + c once, that is in all but an x86-64 baseline.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ available = tuple(name for name in instruction_sets() if name in _built)
 def _chosen() -> str:
     if not available:
         raise ImportError(
-            f"microfacet was built for {', '.join(_built)}, which this processor does not have: build it on this "
-            "machine, or for all machines with MICROFACET_INSTRUCTION_SETS=all in the environment of pip"
+            f"microfacet was built for {', '.join(_built)}, which this processor does not have: build it on "
+            "this machine, or for all machines with MICROFACET_INSTRUCTION_SETS=all in the environment of pip"
         )
     forced = os.environ.get("MICROFACET_ISA")
     if forced is None:
