@@ -51,7 +51,7 @@ def tail(t: Array) -> Array:
 
 
 def excess(t: Array) -> Array:
-    """slope_excess/P2: a difference, or a series where it would cancel."""
+    """mean_excess/P2: a difference, or a series where it would cancel."""
     y = 0.25 / np.maximum(t * t, 1.0)
     return np.asarray(
         np.where(t < 30, 0.5 - t * tail(t), y * (1 - y * (6 - y * (60 - y * (840 - y * 15120)))))

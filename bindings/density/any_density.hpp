@@ -20,7 +20,7 @@ class any_density {
   virtual scalar radius(const scalar& xi) const = 0;
   virtual scalar P2(const slope<scalar>& t) const = 0;
   virtual scalar slope_sf(const slope<scalar>& t) const = 0;
-  virtual scalar slope_excess(const slope<scalar>& t) const = 0;
+  virtual scalar mean_excess(const slope<scalar>& t) const = 0;
 
  protected:
   ~any_density() = default;
@@ -50,7 +50,7 @@ class any_density_of final : public any_density {
   }
   scalar P2(const slope<scalar>& t) const override { return family_.P2(t); }
   scalar slope_sf(const slope<scalar>& t) const override { return family_.slope_sf(t); }
-  scalar slope_excess(const slope<scalar>& t) const override { return family_.slope_excess(t); }
+  scalar mean_excess(const slope<scalar>& t) const override { return family_.mean_excess(t); }
 
  private:
   Family family_;

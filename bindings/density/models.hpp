@@ -127,7 +127,7 @@ std::shared_ptr<const radial_tables<Real>> cached_tables(const double* parameter
     const bool scale = i + own < count;
     const parameter domain = scale ? roughness : family::parameters[i + own - count];
     key[i] = parameters[i];
-    const double lower = (functions & of_slope_excess) != 0 ? domain.lower : domain.density_lower;
+    const double lower = (functions & of_mean_excess) != 0 ? domain.lower : domain.density_lower;
     if (!(key[i] > lower && key[i] < domain.upper)) return nullptr;
   }
   return cache_of<Tag, Real, count>.get(

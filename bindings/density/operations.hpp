@@ -20,13 +20,13 @@ struct cosine_operation : operation<Name, 1, Functions> {
 struct D_of_cosine : cosine_operation<"D", of_P22> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.D(cosine(x[0])); }
 };
-struct sigma_of_cosine : cosine_operation<"sigma", of_slope_excess> {
+struct sigma_of_cosine : cosine_operation<"sigma", of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.sigma(cosine(x[0])); }
 };
-struct Lambda_of_cosine : cosine_operation<"Lambda", of_slope_excess> {
+struct Lambda_of_cosine : cosine_operation<"Lambda", of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.Lambda(cosine(x[0])); }
 };
-struct G1_of_cosine : cosine_operation<"G1", of_slope_excess> {
+struct G1_of_cosine : cosine_operation<"G1", of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.G1(cosine(x[0])); }
 };
 
@@ -67,26 +67,26 @@ struct D_of_normal : operation<"D", 3, of_P22> {
 struct pdf_of_normal : operation<"pdf", 3, of_P22> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.pdf(direction(x)); }
 };
-struct sigma_of_direction : operation<"sigma", 3, of_slope_excess> {
+struct sigma_of_direction : operation<"sigma", 3, of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.sigma(direction(x)); }
 };
-struct Lambda_of_direction : operation<"Lambda", 3, of_slope_excess> {
+struct Lambda_of_direction : operation<"Lambda", 3, of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.Lambda(direction(x)); }
 };
-struct G1_of_direction : operation<"G1", 3, of_slope_excess> {
+struct G1_of_direction : operation<"G1", 3, of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) { return ndf.G1(direction(x)); }
 };
-struct G2_of_directions : operation<"G2", 6, of_slope_excess> {
+struct G2_of_directions : operation<"G2", 6, of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) {
     return ndf.G2(direction(x), direction(x + 3));
   }
 };
-struct G2_uncorrelated_of_directions : operation<"G2_uncorrelated", 6, of_slope_excess> {
+struct G2_uncorrelated_of_directions : operation<"G2_uncorrelated", 6, of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) {
     return ndf.G2_uncorrelated(direction(x), direction(x + 3));
   }
 };
-struct D_visible_of_directions : operation<"D_visible", 6, of_P22 | of_slope_excess> {
+struct D_visible_of_directions : operation<"D_visible", 6, of_P22 | of_mean_excess> {
   MICROFACET_INLINE static auto apply(const auto& ndf, const auto* x) {
     return ndf.D_visible(direction(x), direction(x + 3));
   }

@@ -63,7 +63,7 @@ struct unknown_density {
   T radius2(const T&) const { return nan<T>(); }
   T P2(const slope<T>&) const { return nan<T>(); }
   T slope_sf(const slope<T>&) const { return nan<T>(); }
-  T slope_excess(const slope<T>&) const { return nan<T>(); }
+  T mean_excess(const slope<T>&) const { return nan<T>(); }
 };
 
 struct radial_tag {

@@ -26,8 +26,8 @@ using lanes = float;
 int main() {
   using family = mf::bessel_k<double>;
   mf::radial_tables<float> tables;  // a plain value of some kilobytes
-  tables.build(family(1.5), mf::of_slope_excess);
-  if (!tables.good(mf::of_slope_excess)) return 1;
+  tables.build(family(1.5), mf::of_mean_excess);
+  if (!tables.good(mf::of_mean_excess)) return 1;
 
   const mf::isotropic_shape<lanes> shape(lanes(0.3f));
   const mf::ndf<mf::tabulated<lanes>, lanes, mf::isotropic_shape<lanes>> ndf(mf::tabulated<lanes>(tables),

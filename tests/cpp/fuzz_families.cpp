@@ -14,7 +14,7 @@ void ask(const Family& family, fuzz::input& in) {
   fuzz::compute(family.P22(t.squared)), fuzz::compute(family.P22(mf::double_double<T>(x)));
   fuzz::compute(family.D(x, mf::double_double<T>(y))),
       fuzz::compute(family.survival(mf::double_double<T>(x)));
-  fuzz::compute(family.radius2(x)), fuzz::compute(family.slope_excess(t));
+  fuzz::compute(family.radius2(x)), fuzz::compute(family.mean_excess(t));
 
   const T z = std::abs(y), size = std::abs(x), u = in.uniform<T>();
   const mf::double_double<T> square = in.choice(2) ? mf::two_prod(x, x) : mf::double_double<T>(size);
@@ -26,7 +26,7 @@ void ask(const Family& family, fuzz::input& in) {
   fuzz::require_positive("radius2", number(family.radius2(u)));
   fuzz::require_positive("P2", number(family.P2(t)));
   fuzz::require_within("slope_sf", number(family.slope_sf(t)), 0, all);
-  fuzz::require_positive("slope_excess", number(family.slope_excess(mf::slope<T>(size))));
+  fuzz::require_positive("mean_excess", number(family.mean_excess(mf::slope<T>(size))));
 }
 
 template <class T, class Tag>

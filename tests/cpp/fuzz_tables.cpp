@@ -26,7 +26,7 @@ class counted : public Family {
   T radius2(const T& xi) const { return ++calls, Family::radius2(xi); }
   T P2(const mf::slope<T>& t) const { return ++calls, Family::P2(t); }
   T slope_sf(const mf::slope<T>& t) const { return ++calls, Family::slope_sf(t); }
-  T slope_excess(const mf::slope<T>& t) const { return ++calls, Family::slope_excess(t); }
+  T mean_excess(const mf::slope<T>& t) const { return ++calls, Family::mean_excess(t); }
 };
 
 template <class T>
@@ -36,7 +36,7 @@ void look_up(const mf::tabulated<T>& density, fuzz::input& in) {
   fuzz::compute(density.P22(mf::double_double<T>(x))), fuzz::compute(density.P22(t.squared));
   fuzz::compute(density.D(y, t.squared)), fuzz::compute(density.survival(t.squared));
   fuzz::compute(density.survival(mf::double_double<T>(y))), fuzz::compute(density.radius2(y));
-  fuzz::compute(density.P2(t)), fuzz::compute(density.slope_sf(t)), fuzz::compute(density.slope_excess(t));
+  fuzz::compute(density.P2(t)), fuzz::compute(density.slope_sf(t)), fuzz::compute(density.mean_excess(t));
   fuzz::compute(density.P22_of_slope(x)),
       fuzz::compute(density.visible().moment_radius(mf::double_double<T>(y)));
 }
@@ -59,8 +59,8 @@ template <class T, class Tag>
 void of_family(fuzz::input& in) {
   using family = counted<typename Tag::template type<double>>;
   const auto f = fuzz::family_of_numbers<family>(in);
-  constexpr std::array<unsigned, 7> tables{mf::of_P22,      mf::of_survival,     mf::of_radius, mf::of_P2,
-                                           mf::of_slope_sf, mf::of_slope_excess, mf::of_visible};
+  constexpr std::array<unsigned, 7> tables{mf::of_P22,      mf::of_survival,    mf::of_radius, mf::of_P2,
+                                           mf::of_slope_sf, mf::of_mean_excess, mf::of_visible};
   const unsigned wanted = tables[in.choice(tables.size())];
   const auto t = std::make_unique<mf::radial_tables<T>>();
   calls = 0;
@@ -85,7 +85,7 @@ void of_users_density(fuzz::input& in) {
   for (int i = 0; i < 4; ++i) {
     const double x = std::abs(in.number<double>());
     fuzz::require_positive("P22", family->P22(mf::double_double<double>(x)));
-    fuzz::require_positive("slope_excess", family->slope_excess(mf::slope<double>(x)));
+    fuzz::require_positive("mean_excess", family->mean_excess(mf::slope<double>(x)));
   }
 }
 

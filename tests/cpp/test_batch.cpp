@@ -52,7 +52,7 @@ void all_functions() {
     compare("radius2", uniforms, []<class X>(const auto& d, const X& x) { return d.radius2(x); });
     compare("P2", slopes, []<class X>(const auto& d, const X& x) { return d.P2(x); });
     compare("slope_sf", slopes, []<class X>(const auto& d, const X& x) { return d.slope_sf(x); });
-    compare("slope_excess", radii, []<class X>(const auto& d, const X& x) { return d.slope_excess(x); });
+    compare("mean_excess", radii, []<class X>(const auto& d, const X& x) { return d.mean_excess(x); });
     for (const double z : {1.0, 0.6, 0.01})
       compare("D", radii, [z]<class X>(const auto& d, const X& x) { return d.D(X(z), x); });
   });

@@ -31,7 +31,7 @@ void mixed_parameters() {
       check("P22", []<class X>(const auto& d, const X& t) { return d.P22(t); });
       check("P2", []<class X>(const auto& d, const X& t) { return d.P2(t); });
       check("slope_sf", []<class X>(const auto& d, const X& t) { return d.slope_sf(t); });
-      check("slope_excess", []<class X>(const auto& d, const X& t) { return d.slope_excess(t); });
+      check("mean_excess", []<class X>(const auto& d, const X& t) { return d.mean_excess(t); });
       check("survival", []<class X>(const auto& d, const X& t) { return d.survival(t); });
       check("radius2", []<class X>(const auto& d, const X&) { return d.radius2(X(0.3)); });
     };

@@ -1,7 +1,7 @@
 // Every family in double: laws that hold for all of them, and the closed forms of those that have one.
 //
 // The laws tie what a family states to what it derives: a dual number differentiates one function and the
-// other one must come out (d survival/d r2 = -pi P22, d slope_sf/dt = -P2, d slope_excess/dx = -slope_sf).
+// other one must come out (d survival/d r2 = -pi P22, d slope_sf/dt = -P2, d mean_excess/dx = -slope_sf).
 
 #include "check.hpp"
 #include "dual.hpp"
@@ -34,7 +34,7 @@ TEST(derivatives_are_the_other_functions) {
       CHECK_NEAR(differentiable.survival(dual::variable(t * t)).d, -pi * f.P22(t * t), 1e-10);
       CHECK_NEAR(differentiable.slope_sf(dual::variable(t)).d, -f.P2(t), 1e-10);
       CHECK_NEAR(differentiable.slope_sf(dual::variable(-t)).d, -f.P2(t), 1e-10);
-      CHECK_NEAR(differentiable.slope_excess(dual::variable(t)).d, -f.slope_sf(t), 1e-10);
+      CHECK_NEAR(differentiable.mean_excess(dual::variable(t)).d, -f.slope_sf(t), 1e-10);
     }
   });
 }
@@ -52,7 +52,7 @@ TEST(values_of_a_dual_are_the_values) {
       CHECK_NEAR(g.P2(dual(t)).x, f.P2(t), 1e-13);
       CHECK_NEAR(g.survival(dual(t)).x, f.survival(t), 1e-13);
       CHECK_NEAR(g.slope_sf(dual(t)).x, f.slope_sf(t), 1e-13);
-      CHECK_NEAR(g.slope_excess(dual(t)).x, f.slope_excess(t), 1e-13);
+      CHECK_NEAR(g.mean_excess(dual(t)).x, f.mean_excess(t), 1e-13);
       CHECK_NEAR(g.radius2(dual(t / 6)).x, f.radius2(t / 6), 1e-13);
     }
   });
@@ -75,7 +75,7 @@ TEST(float_follows_double) {
       CHECK_NEAR(f.survival(t), g.survival(x), tolerance);
       CHECK_NEAR(f.slope_sf(t), g.slope_sf(x), tolerance);
       CHECK_NEAR(f.slope_sf(-t), g.slope_sf(-x), tolerance);
-      CHECK_NEAR(f.slope_excess(t), g.slope_excess(x), tolerance);
+      CHECK_NEAR(f.mean_excess(t), g.mean_excess(x), tolerance);
       CHECK_NEAR(f.radius2(t / 4), g.radius2(t / 4), tolerance);
     }
   });
@@ -99,7 +99,7 @@ TEST(limits) {
   });
 }
 
-// The mean slope along an azimuth in two ways: slope_excess(0) is half of E|p|, and E|p| = (2/pi) E r with
+// The mean slope along an azimuth in two ways: mean_excess(0) is half of E|p|, and E|p| = (2/pi) E r with
 // E r = int_0^inf survival(r^2) dr. Simpson's rule in v, r = exp(v - exp(-v)): algebraic tails fall like
 // exp(-v).
 TEST(mean_slope_is_the_integral_of_the_survival) {
@@ -113,7 +113,7 @@ TEST(mean_slope_is_the_integral_of_the_survival) {
       const double v = from + i * h, r = std::exp(v - std::exp(-v));
       sum += f.survival(r * r) * r * (1 + std::exp(-v));  // the ends vanish: the trapezoidal rule suffices
     }
-    CHECK_NEAR(f.slope_excess(0.0), sum * h / pi, 1e-12);
+    CHECK_NEAR(f.mean_excess(0.0), sum * h / pi, 1e-12);
   });
 }
 
@@ -154,14 +154,14 @@ TEST(outside_the_domain_is_nan) {
         const auto f = families::make<double, Tag>(outside);
         CHECK(std::isnan(f.P22(0.5)) && std::isnan(f.D(0.8, 0.2)) && std::isnan(f.P2(0.5)));
         CHECK(std::isnan(f.survival(0.5)) && std::isnan(f.radius2(0.5)));
-        CHECK(std::isnan(f.slope_sf(0.5)) && std::isnan(f.slope_excess(0.5)));
+        CHECK(std::isnan(f.slope_sf(0.5)) && std::isnan(f.mean_excess(0.5)));
       }
     const auto f = families::make<double, Tag>(inside);
     const double nan = std::nan("");
     CHECK(std::isnan(f.P22(nan)) && std::isnan(f.D(nan, 0.2)) && std::isnan(f.D(0.8, nan)) &&
           std::isnan(f.P2(nan)));
     CHECK(std::isnan(f.survival(nan)) && std::isnan(f.radius2(nan)));
-    CHECK(std::isnan(f.slope_sf(nan)) && std::isnan(f.slope_excess(nan)));
+    CHECK(std::isnan(f.slope_sf(nan)) && std::isnan(f.mean_excess(nan)));
   });
 }
 
@@ -175,7 +175,7 @@ TEST(beckmann) {
   }
   // (exp(-x^2)/sqrt(pi) - x erfc x)/2 has no cancellation to speak of for small x
   for (const double x : {0.0, 0.003, 0.1, 0.2})
-    CHECK_NEAR(f.slope_excess(x), (std::exp(-x * x) / std::sqrt(pi) - x * std::erfc(x)) / 2, 1e-14);
+    CHECK_NEAR(f.mean_excess(x), (std::exp(-x * x) / std::sqrt(pi) - x * std::erfc(x)) / 2, 1e-14);
 }
 
 TEST(student_t_and_gtr_meet_in_ggx) {
@@ -189,7 +189,7 @@ TEST(student_t_and_gtr_meet_in_ggx) {
       CHECK_NEAR(gtr.P2(t), ggx.P2(x) / alpha, 1e-13);
       CHECK_NEAR(gtr.survival(t * t), ggx.survival(x * x), 1e-14);
       CHECK_NEAR(gtr.slope_sf(t), ggx.slope_sf(x), 1e-13);
-      CHECK_NEAR(gtr.slope_excess(t), ggx.slope_excess(x) * alpha, 1e-13);
+      CHECK_NEAR(gtr.mean_excess(t), ggx.mean_excess(x) * alpha, 1e-13);
       CHECK_NEAR(gtr.radius2(t / 6), ggx.radius2(t / 6) * alpha * alpha, 1e-13);
     }
   }
@@ -197,7 +197,7 @@ TEST(student_t_and_gtr_meet_in_ggx) {
     CHECK_NEAR(student.P22(t * t), ggx.P22(t * t), 1e-14);
     CHECK_NEAR(student.P2(t), ggx.P2(t), 1e-14);
     CHECK_NEAR(student.slope_sf(t), ggx.slope_sf(t), 1e-14);
-    CHECK_NEAR(student.slope_excess(t), ggx.slope_excess(t), 1e-14);
+    CHECK_NEAR(student.mean_excess(t), ggx.mean_excess(t), 1e-14);
     CHECK_NEAR(student.radius2(t / 6), ggx.radius2(t / 6), 1e-14);
   }
 }
@@ -230,9 +230,9 @@ TEST(bessel_k_and_k0) {
     CHECK_NEAR(k0.P2(x), std::exp(-2 * x), 1e-15);
     CHECK_NEAR(one.P2(x), std::exp(-2 * x), 1e-13);
     CHECK_NEAR(one.slope_sf(x), k0.slope_sf(x), 1e-13);
-    CHECK_NEAR(one.slope_excess(x), k0.slope_excess(x), 1e-13);
+    CHECK_NEAR(one.mean_excess(x), k0.mean_excess(x), 1e-13);
     CHECK_NEAR(two.P2(x), std::exp(-2 * x) * (2 * x + 1) / 2, 1e-13);
-    CHECK_NEAR(two.slope_excess(x), std::exp(-2 * x) * (2 * x + 3) / 8, 1e-13);
+    CHECK_NEAR(two.mean_excess(x), std::exp(-2 * x) * (2 * x + 3) / 8, 1e-13);
   }
   CHECK(k0.P22(0.0) == mf::inf && one.P22(0.0) == mf::inf);
   CHECK_NEAR(two.P22(0.0), 1 / pi, 1e-14);

@@ -70,7 +70,7 @@ void alone_or_in_company(const char* family, const std::vector<point>& all, cons
   check("survival", [](const auto& f, const pack& x) { return f.survival(mf::double_double<pack>(x)); });
   check("P2", [](const auto& f, const pack& x) { return f.P2(mf::slope<pack>(x)); });
   check("slope_sf", [](const auto& f, const pack& x) { return f.slope_sf(mf::slope<pack>(-x)); });
-  check("slope_excess", [](const auto& f, const pack& x) { return f.slope_excess(mf::slope<pack>(x)); });
+  check("mean_excess", [](const auto& f, const pack& x) { return f.mean_excess(mf::slope<pack>(x)); });
   check("radius2", [](const auto& f, const pack& x) { return f.radius2(x / (pack(1) + x)); });
 }
 

@@ -123,7 +123,7 @@ TEST(tables_beyond_their_ends) {
   const float infinite = mf::inf;
   CHECK_NEAR(family.survival(0.0f), 1, 0);
   CHECK_NEAR(family.slope_sf(0.0f), 0.5, 0);
-  CHECK_NEAR(family.slope_excess(0.0f), exact.slope_excess(0.0), 1e-7);
+  CHECK_NEAR(family.mean_excess(0.0f), exact.mean_excess(0.0), 1e-7);
   CHECK(family.survival(infinite) == 0 && family.P22(infinite) == 0);
   CHECK(family.slope_sf(infinite) == 0 && family.slope_sf(-infinite) == 1);
   CHECK(std::isnan(family.survival(mf::nan<float>())) && std::isnan(family.slope_sf(mf::nan<float>())));
@@ -133,10 +133,10 @@ TEST(tables_beyond_their_ends) {
 TEST(tables_are_built_one_by_one) {
   static mf::radial_tables<double> tables;
   const mf::student_t<double> family(3.0);
-  tables.build(family, mf::of_slope_excess);
-  CHECK(tables.good(mf::of_slope_excess) && !tables.good(mf::of_P22) && !tables.good(mf::of_all));
+  tables.build(family, mf::of_mean_excess);
+  CHECK(tables.good(mf::of_mean_excess) && !tables.good(mf::of_P22) && !tables.good(mf::of_all));
   tables.build(family, mf::of_P22);
-  CHECK(tables.good(mf::of_P22 | mf::of_slope_excess));
+  CHECK(tables.good(mf::of_P22 | mf::of_mean_excess));
 }
 
 // Whatever the parameters, a build ends; a table that could not be met says so, and is nan.
@@ -146,7 +146,7 @@ TEST(tables_of_extreme_parameters) {
     static mf::radial_tables<float> narrow;
     wide.build(family, mf::of_all | mf::of_visible), narrow.build(family, mf::of_all | mf::of_visible);
     for (const auto* t : {&wide.root_D, &wide.survival, &wide.radius, &wide.root_P2, &wide.slope_sf,
-                          &wide.slope_excess, &wide.visible.moment_radius, &wide.visible.marginal_radius})
+                          &wide.mean_excess, &wide.visible.moment_radius, &wide.visible.marginal_radius})
       for (const double x : {1e-30, 1e-3, 1.0, 1e5})
         CHECK(t->error < mf::inf || std::isnan((*t)(mf::double_double<double>(x))));
   };

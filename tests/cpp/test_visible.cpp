@@ -28,8 +28,8 @@ const std::vector<double> uniforms{1e-12, 1e-6, 0.01, 0.2, 0.45, 0.7, 0.9};
 template <class Family>
 std::array<double, 2> seen(const Family& family, double x, double P) {
   const double t = std::abs(P), sf = family.slope_sf(mf::slope<double>(t)),
-               excess = family.slope_excess(mf::slope<double>(t)),
-               below = family.slope_excess(mf::slope<double>(std::abs(x))), all = std::max(x, 0.0) + below,
+               excess = family.mean_excess(mf::slope<double>(t)),
+               below = family.mean_excess(mf::slope<double>(std::abs(x))), all = std::max(x, 0.0) + below,
                density = (x + P) * family.P2(mf::slope<double>(t)) / all;
   if (P >= 0) return {((x + P) * sf + excess) / all, density};
   return {1 - ((x - t) * sf - excess + below) / all, density};
@@ -62,7 +62,7 @@ namespace {
 template <class Family, class Reference>
 void check_quantiles(const Family& family, const Reference& reference) {
   for (const double x : cotangents) {
-    if (reference.slope_excess(mf::slope<double>(std::abs(x))) < 1e-280 && x < 0) continue;
+    if (reference.mean_excess(mf::slope<double>(std::abs(x))) < 1e-280 && x < 0) continue;
     for (const double xi : uniforms) {
       const check::note at("x = ", x, ", xi = ", xi);
       const double P = mf::detail::solve_visible_slopes(family, x, xi, 0.5, 0.5).along;
@@ -206,7 +206,7 @@ TEST(tables_of_the_mixture_scheme) {
       tables.build(family, mf::of_all | mf::of_visible);
       const mf::tabulated<float> tabulated(tables);
       if (!tabulated.samples_from_tables()) return;
-      const auto J = [&](double t) { return family.slope_excess(mf::slope<double>(t)); };
+      const auto J = [&](double t) { return family.mean_excess(mf::slope<double>(t)); };
       const auto M = [&](double t) { return J(t) + t * family.slope_sf(mf::slope<double>(t)); };
       const auto P2 = [&](double t) { return family.P2(mf::slope<double>(t)); };
       for (const float v : {1e-6f, 1e-2f, 0.7f, 4.0f, 300.0f, 1e6f}) {

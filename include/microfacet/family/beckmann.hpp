@@ -4,7 +4,7 @@
 //   survival(r2)    = exp(-r2)
 //   P2(t)           = exp(-t^2)/sqrt(pi)
 //   slope_sf(t)     = erfc(t)/2
-//   slope_excess(x) = ierfc(x)/2
+//   mean_excess(x) = ierfc(x)/2
 //
 // Beckmann and Spizzichino 1963; Walter et al. 2007; Heitz 2014.
 #pragma once
@@ -25,7 +25,7 @@ namespace detail {
 // Where smith/visible/started.hpp starts.
 struct beckmann_start {
   static constexpr int steps = 1;
-  static constexpr double peak = 1 / sqrt_pi, inverse_peak = sqrt_pi, mean_excess = 0.5 / sqrt_pi;
+  static constexpr double peak = 1 / sqrt_pi, inverse_peak = sqrt_pi, excess_at_0 = 0.5 / sqrt_pi;
 
   template <class T, class Mask>
   static T above(const visible_depth<T, Mask>& at, const T& parabola) {
@@ -83,7 +83,7 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma 
       return times_exp_minus(T(T(0.5) * erfc_scaled(x.value.high)), x.squared);
     });
   }
-  T slope_excess(const slope<T>& x) const {
+  T mean_excess(const slope<T>& x) const {
     return times_exp_minus(T(T(0.5) * ierfc_scaled(x.value.high)), x.squared);
   }
   fraction<T> sigma_below(const T& c, const double_double<T>& s2) const {

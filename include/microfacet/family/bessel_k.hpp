@@ -5,7 +5,7 @@
 //   P22(r2)         = 2 y^(a-1) K_{a-1}(2y)/(pi Gamma(a))       infinite at 0 for a <= 1
 //   survival(r2)    = 2 y^a K_a(2y)/Gamma(a)
 //   P2(t)           = 2 |t|^nu K_nu(2|t|)/(sqrt(pi) Gamma(a))   infinite at 0 for a <= 1/2
-//   slope_sf, slope_excess   special/variance_gamma.hpp
+//   slope_sf, mean_excess   special/variance_gamma.hpp
 //
 // a = 1 is K0. d'Eon's notebook "Bessel K NDF".
 #pragma once
@@ -86,7 +86,7 @@ class bessel_k
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& x) { return variance_gamma::sf(a_, bounded(x).value); });
   }
-  T slope_excess(const slope<T>& x) const { return variance_gamma::excess(a_, x.value); }
+  T mean_excess(const slope<T>& x) const { return variance_gamma::excess(a_, x.value); }
 
  private:
   // At slopes of length y, times `factor` squared, from h_{a-1}: directly for a >= 1/2, else through y^2

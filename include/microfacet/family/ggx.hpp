@@ -4,7 +4,7 @@
 //   survival(r2)    = 1/(1 + r2)
 //   P2(t)           = 1/(2 (1 + t^2)^(3/2))
 //   slope_sf(t)     = 1/(2 R (R + t)),  R = sqrt(1 + t^2)
-//   slope_excess(x) = 1/(2 (x + R))
+//   mean_excess(x) = 1/(2 (x + R))
 //
 // Trowbridge and Reitz 1975; Walter et al. 2007; Heitz 2014.
 #pragma once
@@ -43,7 +43,7 @@ class ggx : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | par
       return T(0.5) / (root * (root + x.value.high));
     });
   }
-  T slope_excess(const slope<T>& x) const { return T(0.5) / (x.value.high + sqrt(T(1) + x.squared.high)); }
+  T mean_excess(const slope<T>& x) const { return T(0.5) / (x.value.high + sqrt(T(1) + x.squared.high)); }
   fraction<T> sigma_below(const T& c, const double_double<T>& s2) const {
     return {lifted(T(T(0.5) * s2.high)), maximum(T(abs(c) + sqrt(c * c + s2.high)), smallest<T>())};
   }

@@ -103,7 +103,7 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
           gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
     });
   }
-  T slope_excess(const slope<T>& x) const {
+  T mean_excess(const slope<T>& x) const {
     return select_lazy(
         gamma_ == T(1), [&] { return closed_marginal(x).excess(); }, [&] { return marginal(x).excess(); });
   }

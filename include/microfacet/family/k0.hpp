@@ -4,7 +4,7 @@
 //   survival(r2)    = 2 y K_1(2y)
 //   P2(t)           = exp(-2|t|)
 //   slope_sf(t)     = exp(-2t)/2
-//   slope_excess(x) = exp(-2x)/4
+//   mean_excess(x) = exp(-2x)/4
 //
 // d'Eon's notebook "K0 NDF".
 #pragma once
@@ -73,7 +73,7 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [](const slope<T>& x) { return times_exp_minus(T(0.5), scaled(T(2), x.value)); });
   }
-  T slope_excess(const slope<T>& x) const { return times_exp_minus(T(0.25), scaled(T(2), x.value)); }
+  T mean_excess(const slope<T>& x) const { return times_exp_minus(T(0.25), scaled(T(2), x.value)); }
   fraction<T> sigma_below(const T& c, const double_double<T>& s2) const {
     const horizon<T> seen(c, s2, T(T(16) * smallest<T>()));  // beyond, exp(-2x) is zero
     return {times_exp_minus(T(lifted(T(0.25)) * seen.s), scaled(T(2), seen.x.value)), T(1)};
@@ -83,7 +83,7 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
   // is one of all slopes, turned towards x where x sees too little of it.
   visible_slopes<T> visible_slopes_of(const T& x, const T& xi0, const T& xi1, const T& xi2) const {
     const auto up = x > T(0);
-    const T X = abs(x), c = select(up, x, T(0)), below = slope_excess(slope<T>(X));
+    const T X = abs(x), c = select(up, x, T(0)), below = mean_excess(slope<T>(X));
     const T share = select(up, T(below / (c + below)), T(1)), other = c / (c + below + smallest<T>());
     const auto first = xi0 <= share;
     const T V = select(first, xi0, T(T(1) - xi0)) / maximum(select(first, share, other), smallest<T>());

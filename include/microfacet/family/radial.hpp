@@ -21,7 +21,7 @@ enum radial_function : unsigned {
   of_radius = 4,
   of_P2 = 8,
   of_slope_sf = 16,
-  of_slope_excess = 32,
+  of_mean_excess = 32,
   of_all = 63,
   of_visible = 64  // what visible normals need besides
 };
@@ -42,7 +42,7 @@ concept direct_radius = requires(const F f, typename F::scalar xi) { f.radius(xi
 template <class F>
 concept radius_by_odds = requires(const F f, typename F::scalar x) { f.radius_at_odds(x); };  // at xi = x/(1 + x)
 template <class F>
-concept scaled_excess = requires(const F f, slope<typename F::scalar> x, typename F::scalar c) { f.slope_excess(x, c); };  // c slope_excess(x), where slope_excess underflows
+concept scaled_excess = requires(const F f, slope<typename F::scalar> x, typename F::scalar c) { f.mean_excess(x, c); };  // c mean_excess(x), where mean_excess underflows
 template <class F>
 concept scaled_sigma = requires(const F f, typename F::scalar c, double_double<typename F::scalar> s2) { f.sigma_below(c, s2); };  // 2^lift s J(|c|/s), a fraction
 // Visible normals (smith/visible/): the facet or both slopes at once ...
@@ -130,7 +130,7 @@ concept radial_family = has_the_parts_it_states<F> && requires(const F f, typena
   { f.radius2(xi) } -> std::convertible_to<typename F::scalar>;      // survival(radius2(xi)) = 1 - xi
   { f.P2(t) } -> std::convertible_to<typename F::scalar>;            // density of the slope along an azimuth
   { f.slope_sf(t) } -> std::convertible_to<typename F::scalar>;      // Pr(slope along an azimuth > t)
-  { f.slope_excess(t) } -> std::convertible_to<typename F::scalar>;  // int_t^inf slope_sf = E[(slope - t)_+], t >= 0
+  { f.mean_excess(t) } -> std::convertible_to<typename F::scalar>;  // int_t^inf slope_sf = E[(slope - t)_+], t >= 0
 };
 // clang-format on
 

@@ -5,7 +5,7 @@
 //   P22(r2)         = A(r2)^(-gamma)/pi
 //   survival(r2)    = A(r2)^(-k)
 //   P2(t)           = N A(t^2)^(-k - 1/2),  N = Gamma(k + 1/2)/(sqrt(pi k) Gamma(k))
-//   slope_sf(t), slope_excess(x)   A(t^2)^(-k) times what special/student.hpp has
+//   slope_sf(t), mean_excess(x)   A(t^2)^(-k) times what special/student.hpp has
 //
 // Domain: gamma > 3/2; at 3/2 the mean slope, and with it sigma, diverges. The density and its slope
 // marginals need gamma > 1 only. Ribardiere et al. 2017; d'Eon's notebook "Student-T NDF".
@@ -30,7 +30,7 @@ class student_t
                              part::scaled_P2 | part::survival_by_slope | part::direct_radius |
                                  part::scaled_excess | part::tail_quotients | part::mixture_sampling |
                                  part::special_slope_sampling | part::float32_sampling_range,
-                             of_slope_sf | of_slope_excess> {
+                             of_slope_sf | of_mean_excess> {
  public:
   static constexpr std::string_view name = "student_t";
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};
@@ -83,7 +83,7 @@ class student_t
       return times_power(x, k_, [this](const T& y, const T& q) { return student::tail(k_, y, q); });
     });
   }
-  T slope_excess(const slope<T>& x, const T& factor = T(1)) const {
+  T mean_excess(const slope<T>& x, const T& factor = T(1)) const {
     const T k = nan_unless(k_ > T(parameters[0].lower - 1.0), k_);
     return times_power(x, k, [&](const T& y, const T& q) { return student::excess(k, y, q); }, factor);
   }

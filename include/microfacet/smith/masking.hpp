@@ -1,6 +1,6 @@
-// Projected area, Smith's Lambda and masking of any family, in standard space, from slope_excess alone.
+// Projected area, Smith's Lambda and masking of any family, in standard space, from mean_excess alone.
 //
-// With c = cos and s = sin of the stretched direction and J = slope_excess: the microfacets project the area
+// With c = cos and s = sin of the stretched direction and J = mean_excess: the microfacets project the area
 // sigma(c, s) = E[max(0, c - s slope)] = max(c, 0) + s J(|c|/s), on the whole sphere (Heitz 2014; Smith
 // 1967).
 #pragma once
@@ -25,9 +25,9 @@ fraction<T> sigma_below(const Family& family, const T& c, const double_double<T>
     const horizon<T> seen(c, s2, least);
     const T below = [&] {
       if constexpr (scaled_excess<Family>) {
-        return family.slope_excess(seen.x, lifted(seen.s));
+        return family.mean_excess(seen.x, lifted(seen.s));
       } else {
-        return T(lifted(T(family.slope_excess(seen.x))) * seen.s);
+        return T(lifted(T(family.mean_excess(seen.x))) * seen.s);
       }
     }();
     return {select(s2.high > least, below, T((below + s2.high) * T(0))), T(1)};

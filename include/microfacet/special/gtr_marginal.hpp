@@ -8,7 +8,7 @@
 //   rho^2 = r^2 - x^2 = A^2 b (1 + 1/a),  -d(r^2) = (max - min) (1 + 1/a)/a dL,  survival = expm1(g
 //   L)/expm1(g beta)
 //
-//   slope_excess(x) = 1/(2 pi) int survival rho/r^2 d(r^2)
+//   mean_excess(x) = 1/(2 pi) int survival rho/r^2 d(r^2)
 //   slope_sf(x)     = x/(2 pi) int survival/(rho r^2) d(r^2)
 //   P2(x)           = 1/pi int 1/rho d(survival)
 #pragma once

@@ -3,7 +3,7 @@
 // r^2)/(1 + r^2)) it is 1 - exp(-|g| L). What lies beyond x on a circle has a closed form, of which the
 // marginals are means with the weight |g| exp(-|g| L): with rho^2 = r^2 - x^2,
 //
-//   slope_excess(x) = mean (rho - x acos(x/r))/pi,  slope_sf(x) = mean acos(x/r)/pi,  P2(x) = mean 1/(pi rho)
+//   mean_excess(x) = mean (rho - x acos(x/r))/pi,  slope_sf(x) = mean acos(x/r)/pi,  P2(x) = mean 1/(pi rho)
 #pragma once
 
 #include <cmath>

@@ -32,7 +32,7 @@ class radial_samples {
   R survival(const R& L) const { return family_.survival(square_of(elementary::exp(R(R(0.5) * L)))); }
   R root_P2(const R& L) const { return sqrt(family_.P2(slope<R>(elementary::exp(L)))); }
   R slope_sf(const R& L) const { return family_.slope_sf(slope<R>(elementary::exp(L))); }
-  R slope_excess(const R& L) const { return family_.slope_excess(slope<R>(elementary::exp(R(R(0.5) * L)))); }
+  R mean_excess(const R& L) const { return family_.mean_excess(slope<R>(elementary::exp(R(R(0.5) * L)))); }
 
   R radius(const R& L) const {
     const R odds = elementary::exp(L);

@@ -38,12 +38,12 @@ class radial_tables {
   static constexpr bool single = sizeof(T) == 4, searches = Location::searches, always_composes = false;
   using table = piecewise<T, single || searches ? 8 : 18, Location>;
 
-  table root_D;        // sqrt(P22) (1 + r2) at r2: D(z, h2) = (root_D(h2/z^2)/(z^2 + h2))^2 stays away from 0
-  table survival;      // at r2
-  table radius;        // at the odds xi/(1 - xi)
-  table root_P2;       // the square root of P2 at t > 0
-  table slope_sf;      // at t > 0
-  table slope_excess;  // at t^2
+  table root_D;       // sqrt(P22) (1 + r2) at r2: D(z, h2) = (root_D(h2/z^2)/(z^2 + h2))^2 stays away from 0
+  table survival;     // at r2
+  table radius;       // at the odds xi/(1 - xi)
+  table root_P2;      // the square root of P2 at t > 0
+  table slope_sf;     // at t > 0
+  table mean_excess;  // at t^2
   std::conditional_t<searches, none, visible_tables<T>> visible;
 
   // From a family in double precision, scalar or pack.
@@ -73,7 +73,7 @@ class radial_tables {
     if (functions & of_radius) use(radius);
     if (functions & of_P2) use(root_P2);
     if (functions & of_slope_sf) use(slope_sf);
-    if (functions & of_slope_excess) use(slope_excess);
+    if (functions & of_mean_excess) use(mean_excess);
   }
 };
 
@@ -84,7 +84,7 @@ struct functions_at_numbers {
   const radial_tables<float>& tables;
   double P2(double t) const { return square(static_cast<double>(at(tables.root_P2, t))); }
   double slope_sf(double t) const { return at(tables.slope_sf, t); }
-  double slope_excess(double t) const { return at(tables.slope_excess, t * t); }
+  double mean_excess(double t) const { return at(tables.mean_excess, t * t); }
   static float at(const radial_tables<float>::table& table, double x) {
     return table(double_double<float>(static_cast<float>((std::min)(x, 1e37))));
   }
@@ -134,9 +134,9 @@ void radial_tables<T, Location>::build(const Family& family, unsigned functions)
   if (functions & of_slope_sf)
     fill(slope_sf, [&](const R& L) { return samples.slope_sf(L); },
          {least, slope_end, least, 0.5, tiny, central});
-  if (functions & of_slope_excess)
-    fill(slope_excess, [&](const R& L) { return samples.slope_excess(L); },
-         {0.8 * least, square_end, 0.8 * least, at_zero(family.slope_excess(slope<R>(zero))), tiny, central});
+  if (functions & of_mean_excess)
+    fill(mean_excess, [&](const R& L) { return samples.mean_excess(L); },
+         {0.8 * least, square_end, 0.8 * least, at_zero(family.mean_excess(slope<R>(zero))), tiny, central});
   if (functions & of_visible) {
     visible.build(family);
     if constexpr (single && !searches)

@@ -1,7 +1,7 @@
 // A density as tables: whatever it is, it costs the same.
 //
 //   radial_tables<float> tables;
-//   tables.build(bessel_k<double>(0.7), of_P22 | of_slope_excess);
+//   tables.build(bessel_k<double>(0.7), of_P22 | of_mean_excess);
 //   tabulated<pack<float, 64>> density(tables);  // a radial_family on packs
 #pragma once
 
@@ -108,13 +108,13 @@ class tabulated : public radial_defaults<R, detail::parts_of_tables<Tables>> {
   MICROFACET_INLINE R slope_sf(const slope<R>& t) const {
     return symmetric_sf(t, [this](const slope<R>& x) { return t_->slope_sf(x.value); });
   }
-  // s J(|c|/s) of smith/masking.hpp, without what slope_excess does not look at.
+  // s J(|c|/s) of smith/masking.hpp, without what mean_excess does not look at.
   MICROFACET_INLINE fraction<R> sigma_below(const R& c, const double_double<R>& s2) const {
     const R divisor = maximum(s2.high, smallest<R>()), reciprocal = R(1) / divisor;
     const double_double<R> x2 = ratio(two_prod(c, c), double_double<R>(divisor, low_of(s2)), reciprocal);
-    return {lifted(sqrt(s2.high)) * t_->slope_excess(x2), R(1)};
+    return {lifted(sqrt(s2.high)) * t_->mean_excess(x2), R(1)};
   }
-  MICROFACET_INLINE R slope_excess(const slope<R>& x) const { return t_->slope_excess(x.squared); }
+  MICROFACET_INLINE R mean_excess(const slope<R>& x) const { return t_->mean_excess(x.squared); }
 
  private:
   // a/b, given 1/b.high; an infinite quotient is alone.

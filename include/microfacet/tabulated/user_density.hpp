@@ -4,7 +4,7 @@
 //
 //   P2(t)           = 2 int P22(r) r dy
 //   slope_sf(t)     = 2 int P22(r) atan(q/t) r q dy
-//   slope_excess(t) = 2 int P22(r) (q - t atan(q/t)) r q dy
+//   mean_excess(t) = 2 int P22(r) (q - t atan(q/t)) r q dy
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,7 @@ class user_density
   }
 
   double norm() const { return norm_; }  // the integral over the plane; inf or nan where there is none
-  double mean_excess() const { return 2 * norm_inverse_ * above_[0].moment; }
+  double excess_at_0() const { return 2 * norm_inverse_ * above_[0].moment; }
   double error() const { return P22_.error; }
 
   double P22_of_slope(double r) const {
@@ -76,14 +76,14 @@ class user_density
     return symmetric_sf(
         t, [this](const slope<double>& x) { return (std::min)(marginal<1>(bounded(x).value.high), 0.5); });
   }
-  double slope_excess(const slope<double>& t) const { return marginal<2>(t.value.high); }
+  double mean_excess(const slope<double>& t) const { return marginal<2>(t.value.high); }
 
  private:
   // Direct near t; where (t/r)^2 is lost beside 1, from the sums: atan(q/t) = pi/2 - t/r there. And no
   // further than what is left counts.
   template <int Which>
   double marginal(double t) const {
-    if (t == 0) return Which == 0 ? 2 * norm_inverse_ * line_ : Which == 1 ? 0.5 : mean_excess();
+    if (t == 0) return Which == 0 ? 2 * norm_inverse_ * line_ : Which == 1 ? 0.5 : excess_at_0();
     const double start = std::log(t);
     double y = 0, sum = 0;
     const auto advance = [&](double end, std::size_t panel) {

@@ -41,13 +41,13 @@ template <class Functions>
 class visible_curves {
  public:
   visible_curves(const Functions& f, double X, double scale)
-      : X_(X), peak_(f.P2(0)), above_(0.5 * X + f.slope_excess(0)) {
-    J_ = f.slope_excess(X), P2_ = f.P2(X);
+      : X_(X), peak_(f.P2(0)), above_(0.5 * X + f.mean_excess(0)) {
+    J_ = f.mean_excess(X), P2_ = f.P2(X);
     for (double g = -14; g < 40; g += 0.08) {
       const double v = scale * std::exp(g), t = X + v;
-      if (const double N = t * f.slope_sf(v) + f.slope_excess(v); N > 1e-37)
+      if (const double N = t * f.slope_sf(v) + f.mean_excess(v); N > 1e-37)
         upper_.add(-std::log(N / above_), v);
-      if (const double N = v * f.slope_sf(t) + f.slope_excess(t); N > 1e-37 && N < J_)
+      if (const double N = v * f.slope_sf(t) + f.mean_excess(t); N > 1e-37 && N < J_)
         below_.add(-std::log(N / J_), v);
     }
     // What lies beyond x - d, summed from its end.

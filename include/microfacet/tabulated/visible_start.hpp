@@ -28,9 +28,9 @@ class visible_start {
 
  public:
   int steps = 0;  // that end within the rounding of float32; 0 where the start is too far
-  float peak{}, inverse_peak{}, mean_excess{};
+  float peak{}, inverse_peak{}, excess_at_0{};
 
-  // From P2, slope_sf and slope_excess at numbers.
+  // From P2, slope_sf and mean_excess at numbers.
   template <class Functions>
   void build(const Functions& f);
 
@@ -108,8 +108,8 @@ class visible_start {
 template <class Functions>
 void visible_start::build(const Functions& f) {
   using curves = detail::visible_curves<Functions>;
-  const double scale = 2 * f.slope_excess(0);
-  peak = static_cast<float>(f.P2(0)), inverse_peak = 1 / peak, mean_excess = static_cast<float>(0.5 * scale);
+  const double scale = 2 * f.mean_excess(0);
+  peak = static_cast<float>(f.P2(0)), inverse_peak = 1 / peak, excess_at_0 = static_cast<float>(0.5 * scale);
   per_scale_ = static_cast<float>(1 / scale);
   steps = 0;
   if (!(peak > 1e-30F && peak < 1e30F)) return;

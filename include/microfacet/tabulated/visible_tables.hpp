@@ -33,7 +33,7 @@ class visible_samples {
   // Calls: the functions of a family are long.
   [[gnu::noinline]] R P2(const R& t) const { return family_.P2(slope<R>(t)); }
   [[gnu::noinline]] R moment(const R& t) const {
-    return family_.slope_excess(slope<R>(t)) + t * family_.slope_sf(slope<R>(t));
+    return family_.mean_excess(slope<R>(t)) + t * family_.slope_sf(slope<R>(t));
   }
   // Each by Newton's method on logarithms.
   R moment_radius(const R& L) const {
@@ -47,7 +47,7 @@ class visible_samples {
   R excess_radius(const R& L) const {
     const R start = minimum(R(L + log(all_)), R(R(0.5) * log(log1p(exp(minimum(L, R(600)))))));
     return solve(start, 1e-12, [&](const R& y) {
-      const R t = elementary::exp(y), J = maximum(family_.slope_excess(slope<R>(t)), R(1e-300));
+      const R t = elementary::exp(y), J = maximum(family_.mean_excess(slope<R>(t)), R(1e-300));
       return R((L + log(J) - y) / (R(1) + t * family_.slope_sf(slope<R>(t)) / J));
     });
   }
@@ -91,7 +91,7 @@ class visible_tables {
   table moment;                    // M(t) = int_t^inf y P2(y) dy at t
   table moment_radius;             // t at M(0)/M(t) - 1
   table marginal_radius;           // t at 1/P2(t) - 1/P2(0)
-  table excess_radius;             // t at t/slope_excess(t)
+  table excess_radius;             // t at t/mean_excess(t)
   T first_moment{}, inverse_P2{};  // M(0) and 1/P2(0)
   bool falls = true;               // whether P2 decreases everywhere
   bool complete = false;           // whether visible normals can be drawn from the tables alone

@@ -61,7 +61,7 @@ void families_on(const char* library, const Wanted& wanted = {}) {
     COMPARE("survival", d.survival(x));
     COMPARE("P2", d.P2(x));
     COMPARE("slope_sf", d.slope_sf(x));
-    COMPARE("slope_excess", d.slope_excess(x));
+    COMPARE("mean_excess", d.mean_excess(x));
     COMPARE("sigma", under_a_shape<X>(d).sigma(cosine_of(x)));
     COMPARE("Lambda", under_a_shape<X>(d).Lambda(cosine_of(x)));
 #undef COMPARE

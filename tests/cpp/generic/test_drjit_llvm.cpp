@@ -35,7 +35,7 @@ void run() {
   generic::families_on<array, traced<array>>("LLVM", few_steps);
 }
 
-// d slope_excess/dx = -slope_sf
+// d mean_excess/dx = -slope_sf
 template <class T>
 void differentiate() {
   using array = drjit::LLVMArray<T>;
@@ -48,7 +48,7 @@ void differentiate() {
         [&](const array& x) {
           differentiable y = x;
           drjit::enable_grad(y);
-          differentiable z = f.slope_excess(y);
+          differentiable z = f.mean_excess(y);
           drjit::backward(z);
           return drjit::detach<false>(drjit::grad(y));
         },

@@ -1,7 +1,7 @@
 // The slope in the plane of incidence of the facets that a direction sees, by inversion of its distribution.
 //
 // In standard space the direction has x = cot(theta) of any sign. Of slopes P, positive ones leaning towards
-// it, it sees the density (x + P)_+ P2(P)/(max(x, 0) + J(|x|)), J = slope_excess. With c = max(x, 0) and
+// it, it sees the density (x + P)_+ P2(P)/(max(x, 0) + J(|x|)), J = mean_excess. With c = max(x, 0) and
 // p0 = max(-x, 0), the slope from which on it leans towards the direction, there are two sides:
 //
 //   upper, P = p0 + v:       Pr(slope > P) ~ (x + P) slope_sf(P) + J(P)

@@ -19,7 +19,7 @@ class visible_functions {
   point at(const T& t) const {
     if constexpr (tabled) {
       const T density = family_.density(t), reciprocal = T(1) / density;
-      return {t, family_.slope_sf(t) * reciprocal, family_.slope_excess(t) * reciprocal, density};
+      return {t, family_.slope_sf(t) * reciprocal, family_.mean_excess(t) * reciprocal, density};
     } else {
       return {t, family_.sf_over_density(t), T(0), T(0)};
     }

@@ -30,7 +30,7 @@ template <class Family, class T>
 auto tables_reach(const Family& family, const T& x) {
   constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
   if constexpr (single) {
-    return (x > T(0)) | (family.slope_excess(slope<T>(abs(x))) > T(1e-30));
+    return (x > T(0)) | (family.mean_excess(slope<T>(abs(x))) > T(1e-30));
   } else {
     return x == x;
   }

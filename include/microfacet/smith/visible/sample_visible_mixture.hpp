@@ -5,7 +5,7 @@
 //
 // so that with the probability of the area that it sees from below, xi0 small, the slope is one that -|x|
 // sees, else one of all slopes, turned towards x where x sees too little of it. What -|x| sees has the weight
-// max(0, P - |x|) = int_{|x|}^P dg: with J = slope_excess and M(t) = int_t^inf y P2(y) dy it is drawn in two
+// max(0, P - |x|) = int_{|x|}^P dg: with J = mean_excess and M(t) = int_t^inf y P2(y) dy it is drawn in two
 // steps,
 //
 //   J(g)/g = xi J(|x|)/|x|   and then   M(P) = xi' M(g),   P > g > |x|,
@@ -71,7 +71,7 @@ visible_slopes<T> turned_towards(const Family& family, const T& c, const T& rest
 template <class Family, class T>
 visible_slopes<T> mix_visible_slopes(const Family& family, const T& x, const uniforms<T>& u) {
   const auto up = x > T(0);
-  const T X = abs(x), c = select(up, x, T(0)), below = family.slope_excess(slope<T>(X));
+  const T X = abs(x), c = select(up, x, T(0)), below = family.mean_excess(slope<T>(X));
   // From above, what tables do not reach is left out: none draws it.
   constexpr double least = sizeof(typename scalar_traits<T>::real) == 4 ? 1e-30 : 0;
   const T seen = select(below > T(least), below, T(0));

@@ -35,7 +35,7 @@ class started_slope : visible_functions<Family, T> {
     const T X = abs(x), start = select(up, T(0), X), c = select(up, x, T(0));
     // Of the area that x > 0 sees, the parts with P > 0 and with P < 0; `within` is J(x) less what lies below.
     const T J = J_of(X), whole = c + J;
-    const T upper = multiply_add(T(0.5), c, T(starts.mean_excess)), beyond = share * whole;
+    const T upper = multiply_add(T(0.5), c, T(starts.excess_at_0)), beyond = share * whole;
     const auto lower = up & (beyond > upper);
     const T part = select(lower, maximum(T(whole - upper), smallest<T>()), upper),
             rest = (T(1) - share) * whole;
@@ -90,9 +90,9 @@ class started_slope : visible_functions<Family, T> {
  private:
   MICROFACET_INLINE T J_of(const T& X) const {
     if constexpr (base::tabled) {
-      return family_.slope_excess(X);
+      return family_.mean_excess(X);
     } else {
-      return family_.slope_excess(slope<T>(X));
+      return family_.mean_excess(slope<T>(X));
     }
   }
 };

@@ -35,8 +35,8 @@ class visible_tails {
   T slope_sf(const T& t) const {
     return called([&] { return family_.slope_sf(slope<T>(off_zero(t))); });
   }
-  T slope_excess(const T& t) const {
-    return called([&] { return family_.slope_excess(slope<T>(off_zero(t))); });
+  T mean_excess(const T& t) const {
+    return called([&] { return family_.mean_excess(slope<T>(off_zero(t))); });
   }
   T sf_over_density(const T& t) const { return slope_sf(t) / density(t); }
   // Nearly: exact for an exponential, and far out for a power and a Gaussian.
@@ -57,7 +57,7 @@ class visible_tails {
     }
   }
   T moment_radius(const T& t, const T& depth) const {
-    const T moment = slope_excess(t) / density(t) + t * sf_over_density(t);
+    const T moment = mean_excess(t) / density(t) + t * sf_over_density(t);
     // As of a Gaussian: exact for small depths.
     const T twice = T(2) * depth * moment;
     const T light = twice / (t + sqrt(t * t + twice) + smallest<T>());

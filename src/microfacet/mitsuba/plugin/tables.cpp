@@ -16,11 +16,11 @@ using tables = radial_tables<float>;
 // The functions that it built.
 unsigned build(tables& t, const table_request& request, table_use use) {
   const bool all = use == table_use::all;
-  const unsigned of_directions = of_P22 | of_slope_excess;
+  const unsigned of_directions = of_P22 | of_mean_excess;
   const unsigned functions = all ? of_directions | of_radius | of_P2 | of_visible : of_directions;
   const auto with = [&](const auto& family, unsigned wanted) { return t.build(family, wanted), wanted; };
   if (request.family == "student_t")
-    return with(student_t<double>(request.shape), all ? of_slope_excess | of_visible : of_slope_excess);
+    return with(student_t<double>(request.shape), all ? of_mean_excess | of_visible : of_mean_excess);
   if (request.family == "gtr") return with(gtr<double>(request.alpha, request.shape), functions);
   if (request.family == "bessel_k") return with(bessel_k<double>(request.shape), functions);
   return 0;
@@ -55,7 +55,7 @@ void flat_tables::append(const table_request& request, table_use use) {
         samples = samples && f->error < 1e-3;
   }
   const std::array<const tables::table*, table_functions> functions{
-      &t->root_D, &t->radius,       &t->root_P2,        &t->slope_excess,
+      &t->root_D, &t->radius,       &t->root_P2,        &t->mean_excess,
       &v.moment,  &v.moment_radius, &v.marginal_radius, &v.excess_radius};
   const std::size_t first = floats.size();
   for (const tables::table* f : functions) {

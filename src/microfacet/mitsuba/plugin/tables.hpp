@@ -14,7 +14,7 @@ enum table_function : std::uint32_t {
   table_root_D,
   table_radius,
   table_root_P2,
-  table_slope_excess,
+  table_mean_excess,
   table_moment,
   table_moment_radius,
   table_marginal_radius,

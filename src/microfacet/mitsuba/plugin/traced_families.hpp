@@ -34,7 +34,7 @@ class with_table_of_excess : public composed<Closed> {
       : composed<Closed>(arguments...), tables_(&t), tabulated_(t) {}
 
   Float excess_radius(const Float& v) const { return tables_->visible.excess_radius(v); }
-  Float slope_excess(const slope<Float>& x) const { return tabulated_.slope_excess(x); }
+  Float mean_excess(const slope<Float>& x) const { return tabulated_.mean_excess(x); }
   fraction<Float> sigma_below(const Float& c, const double_double<Float>& s2) const {
     return tabulated_.sigma_below(c, s2);
   }

@@ -167,7 +167,7 @@ struct traced_tables {
   };
 
   between alpha;
-  traced_table<R> root_D, radius, root_P2, slope_excess;
+  traced_table<R> root_D, radius, root_P2, mean_excess;
   visible_tables visible;
 
   traced_tables(const table_storage<R>& storage, const between& where)
@@ -175,7 +175,7 @@ struct traced_tables {
         root_D(storage, table_root_D, alpha),
         radius(storage, table_radius, alpha),
         root_P2(storage, table_root_P2, alpha),
-        slope_excess(storage, table_slope_excess, alpha),
+        mean_excess(storage, table_mean_excess, alpha),
         visible(storage, alpha) {}
   traced_tables(const traced_tables&) = delete;
 };
