@@ -3,7 +3,7 @@
     python tools/derive_visible.py > include/microfacet/special/coefficients/visible.hpp
 
 Of K0 Lambert's W. Of Beckmann the polynomials of smith/visible/started.hpp in X/(1.5 + X),
-X = abs(cot(theta)), and the root of the depth. A step of Halley's method makes an error of 1e-2 one of 1e-7, so
+X = abs(cot(theta)), and the root of the depth. A step of Halley's method makes an error of 1e-2 one of 1e-7:
 weighted least squares in double precision, whose weights follow the errors (Lawson), are near enough to the
 minimax. A slope may be off by a part of itself, or of the distance to its end, that grows as less probability
 lies beyond: what counts is the probability after the step.
