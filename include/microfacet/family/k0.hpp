@@ -44,7 +44,6 @@ class k0 : public radial_defaults<T, part::scaled_P2 | part::P22_by_slope | part
   T radius2(const T& xi) const { return square(radius(xi)); }
   // Newton's method: near the normal on log(1 - survival) against log y, beyond on log(survival) against y.
   T radius(const T& xi_argument) const {
-    constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
     const T xi = maximum(xi_argument, T(T(0x1p40) * smallest<T>()));  // y^2 keeps its digits
     const T rest = T(1) - xi;
     const auto lower = xi < T(0.3);
