@@ -28,8 +28,10 @@ class pieces_by_halving : protected pieces<Table> {
       if (worst.excess <= 1) break;
       const part whole = worst;
       part left = fit(whole.from, whole.fit.centre), right = fit(whole.fit.centre, whole.to);
-      // Where neither half of a short piece is better than the whole there is noise: not worth a third try.
-      const bool noisy = left.fit.half < 0.01 && (std::min)(left.excess, right.excess) > 0.6 * whole.excess;
+      // Where neither half of a piece that is short, or nearly met, is better than the whole there is noise: not
+      // worth a third try.
+      const double least = (std::min)(left.excess, right.excess);
+      const bool noisy = (least < 6 || left.fit.half < 0.01) && least > 0.6 * whole.excess;
       for (part* half : {&left, &right}) {
         half->stalls = noisy ? whole.stalls + 1 : 0;
         if (half->stalls > 2 || half->fit.half < narrowest) half->excess = 0;
