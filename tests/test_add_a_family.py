@@ -96,9 +96,8 @@ def family(copy: pathlib.Path) -> Iterator[Any]:
     ]
     if sys.platform == "darwin":
         flags += ["-undefined", "dynamic_lookup"]
-    include = [
-        f"-I{path}" for path in (copy, copy / "include", sysconfig.get_path("include"), np.get_include())
-    ]
+    paths = (copy, copy / "include", sysconfig.get_path("include"), np.get_include())
+    include = [f"-I{path}" for path in paths]
     flags += ["-DMICROFACET_FAMILY=haze", '-DMICROFACET_FAMILY_HEADER="microfacet/family/haze.hpp"']
     sources = [path for path in (copy / "bindings").glob("*.cpp") if path.name != "processor.cpp"]
     subprocess.run([str(COMPILER), *flags, *include, *sources, "-o", core], check=True)

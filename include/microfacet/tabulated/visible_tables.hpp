@@ -39,21 +39,21 @@ class visible_samples {
   R moment_radius(const R& L) const {
     const R odds = elementary::exp(L), target = log(all_) - log(R(1) + odds);
     const R start = R(0.5) * (log(R(2) * all_ / maximum(P2(R(sqrt(all_))), R(1e-3))) + log(log1p(odds)));
-    return solve(start, 1e-12, [&](const R& y) {
+    return solve(60, start, 1e-12, [&](const R& y) {
       const R t = elementary::exp(y), m = moment(t);
       return R((log(m) - target) * m / maximum(R(t * t * P2(t)), R(1e-300)));
     });
   }
   R excess_radius(const R& L) const {
     const R start = minimum(R(L + log(all_)), R(R(0.5) * log(log1p(exp(minimum(L, R(600)))))));
-    return solve(start, 1e-12, [&](const R& y) {
+    return solve(60, start, 1e-12, [&](const R& y) {
       const R t = elementary::exp(y), J = maximum(family_.mean_excess(slope<R>(t)), R(1e-300));
       return R((L + log(J) - y) / (R(1) + t * family_.slope_sf(slope<R>(t)) / J));
     });
   }
   R marginal_radius(const R& L) const {
     const R target = -log(elementary::exp(L) + inverse_peak_), h(1e-4);
-    return solve(R(log(R(2) * all_)), 1e-11, [&](const R& y) {
+    return solve(80, R(log(R(2) * all_)), 1e-11, [&](const R& y) {
       const R value = log(P2(elementary::exp(y))), slope = (value - log(P2(elementary::exp(R(y + h))))) / h;
       return R((value - target) / maximum(slope, R(1e-6)));
     });
@@ -65,8 +65,8 @@ class visible_samples {
  private:
   // exp(y) where change(y), the step that Newton's method proposes, is next to nothing.
   template <class Change>
-  static R solve(const R& start, double settled, const Change& change) {
-    const R y = iterate(80, start, start == start, [&](const R& now) {
+  static R solve(int most, const R& start, double settled, const Change& change) {
+    const R y = iterate(most, start, start == start, [&](const R& now) {
       const R step = change(now);
       return iteration{R(now + minimum(maximum(step, R(-1)), R(1))), abs(step) > R(settled)};
     });
