@@ -156,7 +156,7 @@ struct interpolant {
   static interpolant fit(const sampled_function& sample, double a, double b, const fit_range& range) {
     interpolant p;
     p.centre = on_grid(0.5 * (a + b));
-    p.half = (std::min)(p.centre - a, b - p.centre);  // no node lies beyond an end
+    p.half = p.centre - a;
     constexpr std::array<std::size_t, 5> extrema{0, 1, N / 2, N - 1, N};
     constexpr std::size_t points = N + extrema.size();
     std::array<double, points> at, f, t;

@@ -59,7 +59,8 @@ class pieces_by_halving : protected pieces<Table> {
     int stalls = 0;
   };
   part fit(double from, double to) {
-    const polynomial p = polynomial::fit(sample_, from, to, range_);
+    // No node lies beyond the end, where the rounding of the centre would put one.
+    const polynomial p = polynomial::fit(sample_, from, to - 1 / fit_precision<T>::grid, range_);
     return {p, from, to, (std::max)(p.excess, p.wide)};
   }
 
