@@ -63,4 +63,12 @@ MICROFACET_INLINE T erfc_inverse_of_half(const T& v) {
   return select(v < rest, t, T(-t));
 }
 
+// t with t = v ierfc(t)/2, v > 0, for float32: to 5e-7. Infinity counts as the largest number.
+template <class T>
+MICROFACET_INLINE T ierfc_quotient_inverse(const T& v) {
+  using namespace coefficients;
+  const T l = log1p(minimum(v, largest<T>()));
+  return l * polynomial(ierfc_inverse_numerator_32, l) / polynomial(ierfc_inverse_denominator_32, l);
+}
+
 }  // namespace microfacet

@@ -55,9 +55,9 @@ template <class Family, class T>
 visible_slopes<T> turned_towards(const Family& family, const T& c, const T& rest, const uniforms<T>& u) {
   const T depth = -log(maximum(rest, smallest<T>()));
   const T r = [&] {
-    if constexpr (always_composes<Family>) {
+    if constexpr (radius_by_survival<Family>) {
       return family.radius_at_survival(maximum(rest, smallest<T>()));
-    } else if constexpr (tail_quotients<Family>) {
+    } else if constexpr (radius_by_depth<Family>) {
       return family.survival_radius(depth);
     } else {
       return visible_tails<Family, T>(family).survival_radius(depth);
