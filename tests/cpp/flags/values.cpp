@@ -117,7 +117,7 @@ void scattering(const char* name, const Material& material, const Ndf& ndf) {
           mf::sample(material, ndf, wi, mf::vec3<R>{R(0.17 * (n % 6)), R(0.3), R(0.7)}, R(0.19 * (n % 5)));
       say("sample", n, drawn.wo);
       // Close to the horizon a weight is proportional to the cosine, which has the rounding of the direction.
-      say("weight", n, number(select(abs(drawn.wo.z) < R(0.01), R(0), drawn.weight)));
+      say("weight", n, std::abs(number(drawn.wo.z)) < 0.01 ? 0.0 : number(drawn.weight));
     }
   }
   where = before;
