@@ -18,7 +18,7 @@ from mpmath import mpf
 
 from reference import Reference, value
 
-SPECIAL = pathlib.Path(__file__).parent.parent / "include/microfacet/special"
+SPECIAL = pathlib.Path(__file__).parent.parent / "include/microfacet/special/coefficients"
 HEADERS = ("bessel", "variance_gamma_tail", "variance_gamma_excess")
 
 Rows = list[list[mpf]]
@@ -29,7 +29,7 @@ def tables() -> dict[str, Rows]:
     """For every polynomial a row of powers of x for each power of y, as the compiler reads its numbers."""
     found: dict[str, Rows] = {}
     for header in HEADERS:
-        text = (SPECIAL / f"{header}_coefficients.hpp").read_text(encoding="utf-8")
+        text = (SPECIAL / f"{header}.hpp").read_text(encoding="utf-8")
         for kind, counts, name, body in re.findall(
             r"bivariate<(float|double), ([\d, ]+)> (\w+)\{\{([^{}]*)\}\}", text
         ):

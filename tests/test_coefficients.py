@@ -19,20 +19,22 @@ import pytest
 from mpmath import mpf
 
 ROOT = pathlib.Path(__file__).parent.parent
-SPECIAL = ROOT / "include/microfacet/special"
+SPECIAL = ROOT / "include/microfacet/special/coefficients"
 HEADERS = {  # by the tool and its arguments
     "derive_elementary.py": ROOT / "include/microfacet/core/elementary_coefficients.hpp",
-    "derive_special.py": SPECIAL / "coefficients.hpp",
-    "derive_erfc_inverse.py": SPECIAL / "erfc_inverse_coefficients.hpp",
-    "derive_student.py": SPECIAL / "student_coefficients.hpp",
-    "derive_bessel.py": SPECIAL / "bessel_coefficients.hpp",
-    "derive_variance_gamma.py tail": SPECIAL / "variance_gamma_tail_coefficients.hpp",
-    "derive_variance_gamma.py excess": SPECIAL / "variance_gamma_excess_coefficients.hpp",
+    "derive_special.py": SPECIAL / "special.hpp",
+    "derive_erfc_inverse.py": SPECIAL / "erfc_inverse.hpp",
+    "derive_visible.py": SPECIAL / "visible.hpp",
+    "derive_student.py": SPECIAL / "student.hpp",
+    "derive_bessel.py": SPECIAL / "bessel.hpp",
+    "derive_variance_gamma.py tail": SPECIAL / "variance_gamma_tail.hpp",
+    "derive_variance_gamma.py excess": SPECIAL / "variance_gamma_excess.hpp",
 }
 FAST = {  # groups of a tool
     "derive_elementary.py": "exp log log_polynomial sin cos",
     "derive_special.py": "erfc debye",
     "derive_erfc_inverse.py": "",
+    "derive_visible.py": SPECIAL / "visible.hpp",
     "derive_student.py": "",
     "derive_bessel.py": "near",
 }

@@ -67,7 +67,7 @@ def test_extras_bring_what_the_sentences_promise() -> None:
 def test_make_installs_what_the_report_and_the_tests_need() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     (package,) = re.findall(
-        r"^\$\(VENV\)/\.package:.*\n(?:\t.*\n)*?\t.*pip.* (\S+)$", makefile, re.MULTILINE | re.I
+        r"^\$\(INSTALLED\):(?:.*\n)(?:\t.*\n)*?\t.*install .*(\S\.\[.*\]\S)\)$", makefile, re.MULTILINE
     )
     assert package == '".[report]"'
     (tests,) = re.findall(r"^\$\(VENV\)/\.test:.*\n\t(.*)$", makefile, re.MULTILINE)

@@ -13,6 +13,11 @@
 
 namespace microfacet::bindings {
 
+template <class Distribution>
+inline constexpr bool has_bounded_scheme = false;
+template <class Family, class T, class Shape>
+inline constexpr bool has_bounded_scheme<ndf<Family, T, Shape>> = bounded_facet_sampling<Family>;
+
 // `Source` makes the distribution of an array_distribution.
 template <template <class> class Material, class Source, class Real>
 struct single_scattering {
@@ -121,7 +126,7 @@ struct single_scattering {
   static void write(const L& x, const blocks& b, std::size_t k, int i) { store(x, b.out[k] + i); }
   // Of the bounded scheme of a family that has one, for a metal.
   static L bounded_density(const distribution& ndf, const vec3<L>& wi, const vec3<L>& wo) {
-    if constexpr (!material::transmits && requires { ndf.family().bounded_facet(L(), L(), L(), L(), L()); }) {
+    if constexpr (!material::transmits && has_bounded_scheme<distribution>) {
       const half_vector<L> half = half_vector_reflection(wi, wo);
       const L density = pdf_visible_bounded(ndf, half.m, wi);
       return select((half.cosine > L(0)) & (wi.z > L(0)), L(density * (L(0.25) / half.cosine)),
