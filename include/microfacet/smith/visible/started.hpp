@@ -36,7 +36,7 @@ class started_slope : visible_functions<Family, T> {
     // Of the area that x > 0 sees, the parts with P > 0 and with P < 0; `within` is J(x) less what lies below.
     const T J = J_of(X), whole = c + J;
     const T upper = multiply_add(T(0.5), c, T(starts.excess_at_0)), beyond = share * whole;
-    const auto lower = up & (beyond > upper);
+    const decltype(x > T(0)) lower = up & (beyond > upper);
     const T part = select(lower, maximum(T(whole - upper), smallest<T>()), upper),
             rest = (T(1) - share) * whole;
     const T inverse = T(1) / part, of_part = select(up, T(select(lower, rest, beyond) * inverse), share);
