@@ -81,13 +81,16 @@ def test_the_baseline_agrees_on_directions(family: Any, dtype: type) -> None:
         columns = each(columns, lambda c, chosen=chosen: c[chosen])
         expected = evaluate(kernels(family, best)[name], columns)
         absolute = contract.tolerance if "_sample" in name else contract.smallest  # of unit vectors
-        # The slope across, sqrt(R^2 - P^2), has the root of the rounding of R where it is small: float32 from
-        # a table, float64 from log P2(R), whose rounding is much beside a uniform number of 1e-12.
+        # Beside the rounding of a uniform number some slopes have its root, in which builds differ: that across where
+        # it is small, sqrt(R^2 - P^2), from tables in float32 and from log P2(R) in float64, and K0's length at a
+        # probability next to 1. The distribution of each is exact to rounding (test_visible_inversion.py).
         tabled = family.name in ("bessel_k", "gtr")
-        if dtype is np.float32 and name.endswith("mixture") and (tabled or family.name == "student_t"):
-            absolute = 1e-3
-        elif dtype is np.float64 and "sample_visible" in name and tabled:
-            absolute = 1e-9
+        if "sample_visible" in name and (tabled or family.name in ("student_t", "k0")):
+            roots = {
+                np.float32: 1e-3,
+                np.float64: 1e-9 if tabled else 1e-7 if family.name == "k0" else absolute,
+            }
+            absolute = roots[dtype]
         tolerances = {"rtol": contract.tail_tolerance, "atol": absolute}
         np.testing.assert_allclose(evaluate(f, columns), expected, **tolerances, err_msg=name)
 

@@ -61,11 +61,11 @@ class student_t
     };
     const auto in_one = [&] {
       const log_of_quotient<T> A = log1p_of_quotient(select(grazing, double_double<T>(T(0)), h2), k_z2);
-      // Both factors before the exponential, so that nothing underflows but the result, unless their square overflows.
-      const T inverse_B = k_ * A.reciprocal;
-      const auto overflows = inverse_B > T(single ? 1e15 : 1e140);
-      const T factor = select(overflows, inverse_B, square(inverse_B)) * T(1 / pi);
-      return T(times_exp_minus(factor, two_sum(k_, T(-1)) * A.log) * select(overflows, inverse_B, T(1)));
+      // Both factors before the exponential, so that nothing underflows but the result, as far as their square is a number.
+      const T inverse_B = k_ * A.reciprocal, most = T(single ? 1e15 : 1e140);
+      const auto apart = (inverse_B > most) | (inverse_B < T(1) / most);
+      const T factor = select(apart, inverse_B, square(inverse_B)) * T(1 / pi);
+      return T(times_exp_minus(factor, two_sum(k_, T(-1)) * A.log) * select(apart, inverse_B, T(1)));
     };
     return select_lazy(grazing, power_of_z, in_one);
   }

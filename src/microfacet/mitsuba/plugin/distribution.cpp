@@ -42,7 +42,7 @@ class family_distribution final : public distribution {
     if constexpr (has_shape) {
       const std::string name(Family::parameters[0].name);
       if (!properties.has_property(name))
-        fail("%s: \"%s\" is missing, which %s functions", plugin_, name, Family::name);
+        fail("%s: \"%s\" is missing, which %s needs", plugin_, name, Family::name);
       shape_ = Float(properties.get<float>(name));
       drjit::make_opaque(shape_);
     }
@@ -129,7 +129,7 @@ class family_distribution final : public distribution {
         append(flat);
       }
       if (!flat.samples)
-        fail("%s: \"alpha\" is %g, above 1 %s functions gamma up to 2 for its visible normals", plugin_,
+        fail("%s: \"alpha\" is %g, above 1 %s needs gamma up to 2 for its visible normals", plugin_,
              number(alpha_), Family::name);
       using Int32 = drjit::int32_array_t<Float>;
       storage_.floats = drjit::load<buffer<Float>>(flat.floats.data(), flat.floats.size());
@@ -170,7 +170,7 @@ class family_distribution final : public distribution {
       constexpr parameter p = Family::parameters[0];
       const float value = number(shape_);
       if (!(value > p.lower && value < p.upper))
-        fail("%s: \"%s\" is %g, %s functions one in (%g, %g)", plugin_, p.name, value, Family::name, p.lower,
+        fail("%s: \"%s\" is %g, %s needs one in (%g, %g)", plugin_, p.name, value, Family::name, p.lower,
              p.upper);
     }
   }
