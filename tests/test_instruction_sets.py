@@ -82,7 +82,7 @@ def test_the_baseline_agrees_on_directions(family: Any, dtype: type) -> None:
         expected = evaluate(kernels(family, best)[name], columns)
         absolute = contract.tolerance if "_sample" in name else contract.smallest  # of unit vectors
         # Beside the rounding of a uniform number some slopes have its root, in which builds differ: the slope
-        # across where it is small, sqrt(R^2 - P^2), from tables in float32 and from log P2(R) in float64; K0's
+        # across where it is small, sqrt(R^2 - P^2), by tables in float32 and by log P2(R) in float64; K0's
         # length at a probability next to 1. The distribution of each is exact (test_visible_inversion.py).
         tabled = family.name in ("bessel_k", "gtr")
         if "sample_visible" in name and (tabled or family.name in ("student_t", "k0")):
