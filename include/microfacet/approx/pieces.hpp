@@ -18,7 +18,7 @@ class pieces {
   static constexpr std::size_t nodes = Table::terms + 1;
   using polynomial = interpolant<T, nodes>;
   static constexpr double tiny = static_cast<double>((std::numeric_limits<T>::min)()),
-                          huge = static_cast<double>((std::numeric_limits<T>::max)());
+                          largest_number = static_cast<double>((std::numeric_limits<T>::max)());
 
   pieces(const sampled_function& sample, const fit_range& range) : sample_(sample), range_(range) {}
 

@@ -43,7 +43,7 @@ class piecewise_fit
 
  private:
   bool find_ends() {
-    constexpr double most = 0.01 * base::huge;
+    constexpr double most = 0.01 * base::largest_number;
     const auto in_range = [this](double, double f) { return f >= range_.least && f <= most; };
     double middle;
     sample_(&range_.inside, &middle, 1);

@@ -148,7 +148,7 @@ class student_t
   auto has_closed_slopes() const { return k_ == T(2); }
   static bool draws_in_closed_form(double gamma) { return gamma == 3; }
   visible_slopes<T> closed_slopes(const T& x, const T& xi0, const T& xi1) const {
-    const T length2 = T(2) + x * x, inverse = T(1) / sqrt(length2), scale(sqrt_two);
+    const T length2 = T(2) + x * x, inverse = T(1) / sqrt(length2), scale = T(sqrt_two);
     const cap_direction<T> w{scale * inverse, x * inverse, length2 * inverse * T(1 / sqrt_two)};
     const T share = sqrt(T(1) - xi0);
     const vec3<T> m = spherical_cap<T>(w, share, T(T(1) - share)).facet_of_cubic(xi1);

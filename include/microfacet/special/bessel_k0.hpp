@@ -61,8 +61,8 @@ class k0_functions {
   using mask = decltype(T(0) < T(0));
   static constexpr double meeting = 0.5625, most = 1e30;
 
-  k0_functions(const T& y, const T& y2, const mask& near)
-      : near_(near), y_(minimum(maximum(y, smallest<T>()), T(1e3))), y2_(y2), root_(y) {}
+  k0_functions(const T& y, const T& y2, const mask& nearby)
+      : near_(nearby), y_(minimum(maximum(y, smallest<T>()), T(1e3))), y2_(y2), root_(y) {}
 
   T logarithm() const { return T(-0.57721566490153286061) - log(y_); }
   // factor exp(-2y), for y^2 = root^2 + rest.

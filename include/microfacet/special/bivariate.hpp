@@ -19,7 +19,7 @@ namespace detail {
 
 template <std::size_t First, std::size_t Size, std::size_t... Rows, class Real, std::size_t N, class T>
 MICROFACET_INLINE T bivariate_rows(const std::array<Real, N>& c, const T& x, const T& y) {
-  T row(c[First + Size - 1]);
+  T row = T(c[First + Size - 1]);
   for (std::size_t i = Size - 1; i-- > 0;) row = multiply_add(row, x, T(c[First + i]));
   if constexpr (sizeof...(Rows) > 0) {
     return multiply_add(bivariate_rows<First + Size, Rows...>(c, x, y), y, row);

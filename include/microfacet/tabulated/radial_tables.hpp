@@ -82,11 +82,11 @@ namespace detail {
 // The slope functions of tables in float32, at t >= 0.
 struct functions_at_numbers {
   const radial_tables<float>& tables;
-  double P2(double t) const { return square(static_cast<double>(at(tables.root_P2, t))); }
+  double P2(double t) const { return square(at(tables.root_P2, t)); }
   double slope_sf(double t) const { return at(tables.slope_sf, t); }
   double mean_excess(double t) const { return at(tables.mean_excess, t * t); }
-  static float at(const radial_tables<float>::table& table, double x) {
-    return table(double_double<float>(static_cast<float>((std::min)(x, 1e37))));
+  static double at(const radial_tables<float>::table& table, double x) {
+    return static_cast<double>(table(double_double<float>(static_cast<float>((std::min)(x, 1e37)))));
   }
 };
 

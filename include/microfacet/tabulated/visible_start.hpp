@@ -63,12 +63,12 @@ class visible_start {
       const T y = minimum(multiply_add(at.X, T(s.per_scale_), T(1)), T(farthest));
       const integers above_one = elementary::wrapping_difference(integers(bits(y)), integers(one));
       // Half octaves up to 8, then whole ones.
-      const auto near = y < T(8);
+      const auto in_halves = y < T(8);
       const auto fraction = [&](int width) {
         return from_bits(integers((above_one & integers((1 << width) - 1)) | integers(one)), y);
       };
-      piece = chosen(near, integers(above_one >> 22), integers((above_one >> 23) + integers(3)));
-      x = select(near, multiply_add(T(4), fraction(22), T(-5)), multiply_add(T(2), fraction(23), T(-3)));
+      piece = chosen(in_halves, integers(above_one >> 22), integers((above_one >> 23) + integers(3)));
+      x = select(in_halves, multiply_add(T(4), fraction(22), T(-5)), multiply_add(T(2), fraction(23), T(-3)));
       depth = multiply_add(minimum(at.root, select(at.lower, T(deepest_lower), T(deepest))),
                            select(at.lower, T(2 / deepest_lower), T(2 / deepest)), T(-1));
     }
@@ -153,7 +153,8 @@ void visible_start::build(const Functions& f) {
         const auto differs = [&](const auto& rows, const curves& c, auto member, auto weight) {
           const place<float> here(depth, *this);
           constexpr std::size_t n = std::tuple_size_v<typename std::decay_t<decltype(rows)>::value_type>;
-          const double p = value<n>(rows, here, n > pieces ? shifted(here.piece, depth.lower) : here.piece);
+          const auto p = static_cast<double>(
+              value<n>(rows, here, n > pieces ? shifted(here.piece, depth.lower) : here.piece));
           error = (std::max)(error, std::abs(p - (c.*member)(L)) * (c.*weight)(L));
         };
         differs(above_, there, &curves::upper, &curves::weight_upper);

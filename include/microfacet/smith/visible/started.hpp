@@ -70,9 +70,10 @@ class started_slope : visible_functions<Family, T> {
         const T exponent = select(lower, T(0), T(depth - family_.log_density_ratio(start, v)));
         r = exponent + log(maximum(T(N / select(lower, T(rest * over), over_start)), smallest<T>()));
       }
-      const auto near = lower & (d < v);
-      const T newton = select(near, T(difference + (J - rest) * over), T(r * N));
-      const T half = select(near, T(1), multiply_add(T(0.5), r, T(1))), bent = T(0.5) * score(p) * newton / d;
+      const auto nearby = lower & (d < v);
+      const T newton = select(nearby, T(difference + (J - rest) * over), T(r * N));
+      const T half = select(nearby, T(1), multiply_add(T(0.5), r, T(1))),
+              bent = T(0.5) * score(p) * newton / d;
       const T halley = newton / minimum(maximum(T(half + bent), T(0.5)), T(2));
       const T change = maximum(minimum(select(lower, T(-halley), halley), select(lower, d2, largest<T>())),
                                T(T(-0.48) * d2));
