@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 import microfacet as mf
 
 SHAPES = {"gtr": (0.5, 1.0, 2.5), "student_t": (1.8, 3.0, 8.0), "bessel_k": (0.4, 1.0, 3.0)}
@@ -49,13 +47,9 @@ class Surface:
 
     @property
     def ndf(self) -> Any:
-        """As a distribution of this library in double precision, at parameters that single precision holds.
-
-        Close to gamma = 3/2 the mean slope multiplies the rounding of gamma.
-        """
+        """As a distribution of this library, in double precision."""
         names = ("alpha",) if len(self.alpha) == 1 else ("alpha_x", "alpha_y")
-        given = {**dict(zip(names, self.alpha, strict=True)), **self.own}
-        return FAMILIES[self.family].cls(**{name: float(np.float32(value)) for name, value in given.items()})
+        return FAMILIES[self.family].cls(**dict(zip(names, self.alpha, strict=True)), **self.own)
 
     @property
     def singular(self) -> bool:
