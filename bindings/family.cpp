@@ -36,43 +36,21 @@ PyObject* sources() {
   return list;
 }
 
-// How many uniforms a visible normal takes, unless a shape parameter changes that; 0 for a family without.
-template <class Family>
-PyObject* visible_dims() {
-  if constexpr (samples_visible<Family>) return PyLong_FromLong(Family::visible_dimensions);
-  return PyLong_FromLong(0);
-}
-
-template <class Family>
-PyObject* mixture_dims() {
-  if constexpr (samples_visible<Family>) return PyLong_FromLong(Family::mixture_dimensions);
-  return PyLong_FromLong(0);
-}
-
-// Materials are drawn by visible normals.
-template <class Tag>
-bool add_family_materials(PyObject* space) {
-  using Family = typename Tag::template type<double>;
-  if constexpr (samples_visible<Family>) {
-    using model = std::conditional_t<Family::shape_invariant, stretched_model<Tag>, unstretched_model<Tag>>;
-    return add_materials_of<model>(space);
-  }
-  return true;
-}
-
 }  // namespace
 
 template <class Tag>
 bool add_family(PyObject* module) {
   using Family = typename Tag::template type<double>;
+  using directions =
+      std::conditional_t<Family::shape_invariant, stretched_model<Tag>, unstretched_model<Tag>>;
   const std::string name(Family::name);
   PyObject* space = PyModule_New((MICROFACET_NAME "." + name).c_str());
   if (space == nullptr) return false;
-  const bool complete = add_operations<Tag>(space) && add_family_materials<Tag>(space) &&
+  const bool complete = add_operations<Tag>(space) && add_materials_of<directions>(space) &&
                         add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
-                        add(space, "visible_dims", visible_dims<Family>()) &&
-                        add(space, "mixture_dims", mixture_dims<Family>()) &&
+                        add(space, "visible_dims", PyLong_FromLong(Family::visible_dimensions)) &&
+                        add(space, "mixture_dims", PyLong_FromLong(Family::mixture_dimensions)) &&
                         add(space, "shape_invariant", PyBool_FromLong(Family::shape_invariant));
   if (!complete) {
     Py_DECREF(space);

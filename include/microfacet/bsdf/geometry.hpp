@@ -90,12 +90,6 @@ half_vector<T> half_vector_transmission(const vec3<T>& wi, const vec3<T>& wo, co
   return {m, dot(wi, m)};
 }
 
-// Normals per direction out, |dm/dwo|. Walter et al., Microfacet models for refraction through rough
-// surfaces, 2007, equations 14 and 17.
-template <class T>
-T reflection_jacobian(const vec3<T>& wi, const vec3<T>& m) {
-  return T(0.25) / dot(wi, m);
-}
 // From the cosines before and behind the facet, both >= 0: eta^2 cosine_t/(cosine - eta cosine_t)^2. Where
 // the indices are almost the same the difference is a quotient, (1 - eta)(1 + eta)/(cosine + eta cosine_t).
 template <class T>

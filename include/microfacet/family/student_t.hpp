@@ -35,7 +35,6 @@ class student_t
   static constexpr std::string_view name = "student_t";
   static constexpr std::array<parameter, 1> parameters{{{"gamma", 1.5, inf, 1.0}}};
   static constexpr std::array<std::string_view, 2> sources{"ribardiere2017std", "deon2020hitchhiker"};
-  static constexpr double least_gamma = parameters[0].density_lower;
 
   // Beyond gaussian_ the tails are Beckmann's to rounding, as far as they are numbers.
   MICROFACET_INLINE explicit student_t(const T& gamma)

@@ -33,7 +33,7 @@ class started_slope : visible_functions<Family, T> {
     const auto& starts = family_.start();
     const auto up = x > T(0);
     const T X = abs(x), start = select(up, T(0), X), c = select(up, x, T(0));
-    // Of the area that x > 0 sees, the parts with P > 0 and with P < 0; `within` is J(x) less what lies below.
+    // Of the area that x > 0 sees, the parts with P > 0 and with P < 0.
     const T J = J_of(X), whole = c + J;
     const T upper = multiply_add(T(0.5), c, T(starts.excess_at_0)), beyond = share * whole;
     const decltype(x > T(0)) lower = up & (beyond > upper);
