@@ -90,8 +90,10 @@ half_vector<T> half_vector_transmission(const vec3<T>& wi, const vec3<T>& wo, co
   return {m, dot(wi, m)};
 }
 
-// From the cosines before and behind the facet, both >= 0: eta^2 cosine_t/(cosine - eta cosine_t)^2. Where
-// the indices are almost the same the difference is a quotient, (1 - eta)(1 + eta)/(cosine + eta cosine_t).
+// Normals per direction out, |dm/dwo|, of refraction (Walter et al., Microfacet models for refraction through rough
+// surfaces, 2007, equation 17): eta^2 cosine_t/(cosine - eta cosine_t)^2, from the cosines before and behind the facet,
+// both >= 0. Where the indices are almost the same the difference is a quotient,
+// (1 - eta)(1 + eta)/(cosine + eta cosine_t).
 template <class T>
 T refraction_jacobian(const T& cosine, const T& cosine_t, const T& eta) {
   const T n = minimum(eta, largest_index<T>()), root = n * cosine_t;
