@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bindings/density/operations.hpp"
+#include "bindings/density/table_bytes.hpp"
 #include "bindings/material/family.hpp"
 #include "bindings/names.hpp"
 #include "bindings/parts.hpp"
@@ -47,7 +48,7 @@ bool add_family(PyObject* module) {
   PyObject* space = PyModule_New((MICROFACET_NAME "." + name).c_str());
   if (space == nullptr) return false;
   const bool complete = add_operations<Tag>(space) && add_materials_of<directions>(space) &&
-                        add(space, "parameters", parameters<Family>()) &&
+                        add_table_bytes<Tag>(space) && add(space, "parameters", parameters<Family>()) &&
                         add(space, "sources", sources<Family>()) &&
                         add(space, "visible_dims", PyLong_FromLong(Family::visible_dimensions)) &&
                         add(space, "mixture_dims", PyLong_FromLong(Family::mixture_dimensions)) &&

@@ -76,6 +76,17 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     return root
 
 
+def compile_extension(
+    root: pathlib.Path, sources: list[pathlib.Path], to: pathlib.Path, *definitions: str
+) -> None:
+    flags = ["-std=c++20", "-O1", "-shared", "-fPIC", "-ffp-contract=off", "-Wno-psabi", *definitions]
+    if sys.platform == "darwin":
+        flags += ["-undefined", "dynamic_lookup"]
+    paths = (root, root / "include", sysconfig.get_path("include"), np.get_include())
+    include = [f"-I{path}" for path in paths]
+    subprocess.run([str(COMPILER), *flags, *include, *sources, "-o", to], check=True)
+
+
 @pytest.fixture(scope="module")
 def family(copy: pathlib.Path) -> Iterator[Any]:
     """The record of the new family, as `microfacet.families()` would have it."""
@@ -85,22 +96,9 @@ def family(copy: pathlib.Path) -> Iterator[Any]:
     )
     listing.write_text(alone, encoding="utf-8")
     core = copy / f"walk{sysconfig.get_config_var('EXT_SUFFIX')}"
-    flags = [
-        "-std=c++20",
-        "-O1",
-        "-shared",
-        "-fPIC",
-        "-ffp-contract=off",
-        "-Wno-psabi",
-        "-DMICROFACET_MODULE=walk",
-    ]
-    if sys.platform == "darwin":
-        flags += ["-undefined", "dynamic_lookup"]
-    paths = (copy, copy / "include", sysconfig.get_path("include"), np.get_include())
-    include = [f"-I{path}" for path in paths]
-    flags += ["-DMICROFACET_FAMILY=haze", '-DMICROFACET_FAMILY_HEADER="microfacet/family/haze.hpp"']
     sources = [path for path in (copy / "bindings").glob("*.cpp") if path.name != "processor.cpp"]
-    subprocess.run([str(COMPILER), *flags, *include, *sources, "-o", core], check=True)
+    own = ["-DMICROFACET_FAMILY=haze", '-DMICROFACET_FAMILY_HEADER="microfacet/family/haze.hpp"']
+    compile_extension(copy, sources, core, "-DMICROFACET_MODULE=walk", *own)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_core, "haze", load("microfacet._core_of_the_walk.walk", core).haze, raising=False)
         module = load("microfacet._family.haze", copy / "src" / "microfacet" / "_family" / "haze.py")
@@ -145,6 +143,32 @@ def test_the_test_of_the_walk_passes(family: Any, copy: pathlib.Path) -> None:
     load("test_haze", copy / "tests" / "family" / "test_haze.py").test_lobes()
     with pytest.raises(ValueError, match=r"Haze: weight must lie in \(0, 1\), got 1.5"):
         family.cls(alpha=0.3, weight=1.5)
+
+
+@needs_compiler
+def test_it_is_exported_without_a_further_line(
+    family: Any, copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its graphs run on arrays as its kernels do, and as text of another language, which C compiles."""
+    graphs = copy / f"_graphs{sysconfig.get_config_var('EXT_SUFFIX')}"
+    compile_extension(copy, sorted((copy / "bindings" / "graph").glob("*.cpp")), graphs)
+    recorder = load("walk._graphs", graphs)
+    monkeypatch.setitem(sys.modules, "microfacet._graphs", recorder)
+    monkeypatch.setattr(mf, "_graphs", recorder, raising=False)
+    for module in ("density", "subject"):
+        monkeypatch.setattr(f"microfacet._export.{module}.families", lambda: (family,))
+    functions = mf.array_functions("haze")
+    w = np.random.default_rng(3).normal(size=(100, 3))
+    w /= np.linalg.norm(w, axis=-1, keepdims=True)
+    for name in ("D", "Lambda", "sigma"):
+        exact = getattr(family.kernels, name)(w[:, 2], 0.3, 0.25)
+        assert_allclose(getattr(functions, name)(w, alpha=0.3, weight=0.25), exact, rtol=1e-13)
+    header = tmp_path / "haze.h"
+    text = mf.export("c", "haze", ["D", "Lambda", "sample_visible", "conductor"], path=header)
+    assert "float haze_D(" in text
+    subprocess.run(
+        [str(COMPILER), "-xc++", "-c", "-Wall", "-Werror", header, "-o", tmp_path / "o"], check=True
+    )
 
 
 @needs_compiler

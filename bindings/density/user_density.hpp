@@ -182,12 +182,35 @@ inline PyObject* load_radial(PyObject*, PyObject* bytes) {
   });
 }
 
+// tables(float64, handle) -> bytes: of a smooth density tables as of a family, which draw visible normals, too; else
+// those that are searched.
+inline PyObject* tables_of_radial(PyObject*, PyObject* args) {
+  int in_float64 = 0;
+  double handle = 0;
+  if (!PyArg_ParseTuple(args, "pd", &in_float64, &handle)) return nullptr;
+  const auto bytes_of = [](const auto& tables) {
+    return PyBytes_FromStringAndSize(reinterpret_cast<const char*>(&tables),
+                                     static_cast<Py_ssize_t>(sizeof tables));
+  };
+  const auto entry = registry.find(handle);
+  if (entry == nullptr) return Py_NewRef(Py_None);
+  const auto made = [&](const auto& searched) {
+    using real = typename std::remove_cvref_t<decltype(searched)>::table::real;
+    const auto tables = std::make_unique<radial_tables<real>>();
+    build_tables(*tables, any_density_of(tabulated_user_density<lanes<double>>(entry->wide)),
+                 of_all | of_visible);
+    return tables->good(of_all) ? bytes_of(*tables) : bytes_of(searched);
+  };
+  return for_python([&] { return in_float64 != 0 ? made(entry->wide) : made(entry->narrow); });
+}
+
 inline bool add_radial(PyObject* space) {
   static PyMethodDef methods[] = {
       {"build", build_radial, METH_VARARGS,
        "build(density, lower, upper, at_zero, survival) -> ((capsule, handle), norm, error)"},
       {"dump", dump_radial, METH_O, "dump(handle) -> bytes"},
       {"load", load_radial, METH_O, "load(bytes) -> (capsule, handle)"},
+      {"tables", tables_of_radial, METH_VARARGS, "tables(float64, handle) -> bytes"},
       {nullptr, nullptr, 0, nullptr}};
   return PyModule_AddFunctions(space, methods) == 0 && add(space, "parameters", PyTuple_New(0)) &&
          add_direction_operations<stretched_model<radial_tag>>(space, "stretched_");

@@ -65,7 +65,7 @@ void check_quantiles(const Family& family, const Reference& reference) {
     if (reference.mean_excess(mf::slope<double>(std::abs(x))) < 1e-280 && x < 0) continue;
     for (const double xi : uniforms) {
       const check::note at("x = ", x, ", xi = ", xi);
-      const double P = mf::detail::solve_visible_slopes(family, x, xi, 0.5, 0.5).along;
+      const double P = mf::detail::solve_visible_slopes(family, x, xi, 0.5, 0.5, x <= 0).along;
       const auto [above, density] = seen(reference, x, P);
       CHECK(P >= -x);
       // The reference subtracts near the ends, and P - |x| carries the rounding of x.
@@ -114,14 +114,14 @@ TEST(slope_across_the_plane_is_conditional) {
     if constexpr (!mf::closed_visible_sampling<std::decay_t<decltype(family)>>) {
       for (const double x : {2.0, 0.1, -0.5}) {
         // The distribution function at q is the mean over xi1 of arccos(q/rest)/pi.
-        const double P = mf::detail::solve_visible_slopes(family, x, 0.4, 0.5, 0.5).along,
+        const double P = mf::detail::solve_visible_slopes(family, x, 0.4, 0.5, 0.5, x <= 0).along,
                      q = 0.7 * (1 + std::abs(P));
         constexpr int steps = 400;
         double below = 0, mass = 0;
         for (int i = 0; i < steps; ++i) {
           const double v = (i + 0.5) / steps, xi1 = 1 - v * v, measure = 2 * v / steps;
           // At xi2 = 0 it is the radius itself (or for Beckmann the quantile of xi1).
-          const double rest = mf::detail::solve_visible_slopes(family, x, 0.4, xi1, 0.0).across;
+          const double rest = mf::detail::solve_visible_slopes(family, x, 0.4, xi1, 0.0, x <= 0).across;
           below +=
               measure * (by_length(family) ? std::acos(std::clamp(q / std::abs(rest), -1.0, 1.0)) / mf::pi
                                            : 0.5 * (std::abs(rest) > q));

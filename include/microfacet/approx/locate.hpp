@@ -74,12 +74,10 @@ struct by_map {
 
  private:
   MICROFACET_INLINE static bits_type larger(bits_type a, bits_type b) { return a > b ? a : b; }
-#if MICROFACET_VECTOR_EXTENSIONS
   template <class Integer>
   MICROFACET_INLINE static Integer larger(const Integer& a, const Integer& b) {
     return select(a > b, a, b);
   }
-#endif
 };
 
 // Many short pieces that end anywhere, found by bisection: for functions that are smooth only piecewise, as
@@ -109,12 +107,10 @@ struct by_search {
   MICROFACET_INLINE static Integer after(bool passed, Integer i, Integer next) {
     return passed ? next : i;
   }
-#if MICROFACET_VECTOR_EXTENSIONS
-  template <class Integer>
-  MICROFACET_INLINE static Integer after(const Integer& passed, const Integer& i, const Integer& next) {
+  template <class Mask, class Integer>
+  MICROFACET_INLINE static Integer after(const Mask& passed, const Integer& i, const Integer& next) {
     return select(passed, next, i);
   }
-#endif
 };
 
 }  // namespace microfacet

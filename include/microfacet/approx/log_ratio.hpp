@@ -34,7 +34,10 @@ MICROFACET_INLINE R log_ratio(const R& x, const Low& low, const R& centre) {
   using real = typename scalar_traits<R>::real;
   using elementary::bits;
   using elementary::from_bits;
-  if constexpr (sizeof(real) == 4) {
+  if constexpr (!elementary::has_lanes<R>) {
+    // Of the quotient, since a difference of logarithms would lose digits; of its root, which stays within the format.
+    return R(2 * Times) * log(sqrt(x) * exp(R(R(-0.5 / Times) * centre)));
+  } else if constexpr (sizeof(real) == 4) {
     // log(1 + e) = e + e^2 (e Q(e) - 1/2), without the division, for which a float32 is too short.
     using elementary::wrapping_difference;
     using elementary::wrapping_sum;

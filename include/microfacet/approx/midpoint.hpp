@@ -4,6 +4,9 @@
 // Weideman, SIAM Review 56, 2014).
 #pragma once
 
+#include <array>
+
+#include "microfacet/approx/accumulate.hpp"
 #include "microfacet/core/math.hpp"
 
 namespace microfacet {
@@ -24,16 +27,13 @@ T integral_between_roots(const Pair& pair, const T& pairs) {
   }
   sine = sine * first;
   const T turn_sine = T(2) * sine * cosine, less = T(2) * sine * sine;  // 1 - cosine of the turn
-  T sum(0);
-  for (int j = 0; j < most_node_pairs; ++j) {
-    const auto inside = T(j) < pairs;
-    if (!any_lane(inside)) break;
-    const T term = pair(T(sine * sine), T(cosine * cosine)) * (sine * cosine);
-    sum = select(inside, T(sum + term), sum);
-    const T rise = cosine * turn_sine - sine * less;
-    cosine = cosine - (cosine * less + sine * turn_sine), sine = sine + rise;
-  }
-  return T(4) * first * sum;
+  using states = std::array<T, 3>;
+  const auto turn = [&](const term<T>&, const states& now) {
+    const auto& [sum, s, c] = now;
+    const T part = pair(T(s * s), T(c * c)) * (s * c), rise = c * turn_sine - s * less;
+    return states{T(sum + part), T(s + rise), T(c - (c * less + s * turn_sine))};
+  };
+  return T(4) * first * accumulate(most_node_pairs, pairs, states{T(0), sine, cosine}, turn)[0];
 }
 
 }  // namespace microfacet

@@ -63,12 +63,24 @@ struct piecewise : Location {
   template <std::size_t N, class R>
   MICROFACET_INLINE R of_piece(const R& v, const elementary::integers<R>& i) const {
     using format = elementary::format<R>;
-    using integers = elementary::integers<R>;
-    using elementary::bits;
-    using elementary::from_bits;
     const auto c = [&](std::size_t k) { return lookup<N>(coefficient[k], i); };
     // Far out on a power law exp(t) is zero; its exponent must not leave the format.
     const R t = maximum(R(v * interleaved<Terms>(c, v)), R(format::least));
+    const R twice = lookup<N>(twice_value, i);
+    if constexpr (!elementary::has_lanes<R>) {
+      return R(0.5) * twice * exp(t);
+    } else {
+      return times_half_exp(twice, t);
+    }
+  }
+
+ private:
+  template <class R>
+  MICROFACET_INLINE static R times_half_exp(const R& twice, const R& t) {
+    using format = elementary::format<R>;
+    using integers = elementary::integers<R>;
+    using elementary::bits;
+    using elementary::from_bits;
     const R shifted = multiply_add(t, R(std::numbers::log2e), R(format::round)),
             n = rounded(R(shifted - R(format::round)));
     const R r = multiply_add(n, R(-std::numbers::ln2), t);
@@ -76,11 +88,9 @@ struct piecewise : Location {
         R(r * r), interleaved<format::exp.size()>([](std::size_t k) { return R(format::exp[k]); }, r), r);
     const R power = from_bits(
         elementary::wrapping_sum(integers(bits(shifted) << format::mantissa), integers(format::half)), t);
-    const R scale = lookup<N>(twice_value, i) * power;
+    const R scale = twice * power;
     return multiply_add(scale, excess, scale);
   }
-
- private:
   template <std::size_t N, class R>
   MICROFACET_INLINE R value(const double_double<R>& x) const {
     // Infinity would lie far beyond the last piece, with a low that is nan.

@@ -14,7 +14,8 @@
 namespace microfacet {
 
 template <class T>
-inline constexpr bool one_number = elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 8;
+inline constexpr bool one_number =
+    records<T> || (elementary::has_lanes<T> && sizeof(typename scalar_traits<T>::real) == 8);
 
 template <class T>
 struct double_double {
@@ -155,6 +156,8 @@ template <class T>
 MICROFACET_INLINE T exp(const double_double<T>& x) {
   if constexpr (elementary::has_lanes<T>) {
     return elementary::exp(x.high, x.low);
+  } else if constexpr (one_number<T>) {
+    return exp(x.high);
   } else {
     const T e = exp(x.high);
     return select(abs(x.low) < T(1), T(e + e * x.low), e);

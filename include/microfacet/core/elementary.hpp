@@ -105,13 +105,16 @@ MICROFACET_INLINE R pow(const R& x, const R& y) {
   return elementary::exp(p, R(multiply_add(y, l.low, elementary::two_prod_error(y, l.high, p))));
 }
 
-// cos and sin of 2 pi x.
+// cos and sin of 2 pi x; a scalar may bring its own as circle_of_turns.
 template <class R>
 struct circle {
   R cosine, sine;
 };
 template <class R>
+concept has_own_circle = requires(const R x) { circle_of_turns(x); };
+template <class R>
 MICROFACET_INLINE circle<R> cos_sin_of_turns(const R& x) {
+  if constexpr (has_own_circle<R>) return circle_of_turns(x);
   using f = format<R>;
   const R shifted = rounded(R(x * R(4) + R(f::round))), nearest = rounded(R(shifted - R(f::round)));
   const R y = R(4) * x - nearest, y2 = y * y;

@@ -14,6 +14,8 @@ MICROFACET_INLINE double_double<T> log_double_double(const double_double<T>& a) 
   if constexpr (elementary::has_lanes<T>) {
     const elementary::logarithm<T> l = elementary::log(a.high, a.low);
     return {l.high, l.low};
+  } else if constexpr (one_number<T>) {
+    return T(log(a.high));
   } else {
     const T correction = a.low / a.high;
     return two_sum(T(log(a.high)), T(select(abs(correction) < T(1), correction, T(0))));
@@ -33,7 +35,11 @@ MICROFACET_INLINE T log_of_sum(const T& a, const T& b) {
 
 template <class T>
 MICROFACET_INLINE double_double<T> log1p_double_double(const double_double<T>& a) {
-  if constexpr (one_number<T>) return elementary::log1p(a.high);
+  if constexpr (one_number<T> && elementary::has_lanes<T>) {
+    return elementary::log1p(a.high);
+  } else if constexpr (one_number<T>) {
+    return T(log1p(a.high));
+  }
   const double_double<T> sum = two_sum(T(1), a.high);
   return log_double_double(double_double<T>(sum.high, T(low_of(sum) + low_of(a))));
 }

@@ -121,11 +121,20 @@ MICROFACET_INLINE T multiply_add(const T& a, const T& b, const T& c) {
   }
 }
 
+// Whether a T records what is done with it, to be computed elsewhere (record/): then short code is better, roundings are
+// no part of a result, and nan, which means nothing to a compiler that may assume there is none, is the caller's to give.
+template <class T>
+inline constexpr bool records = false;
+
 // Gives x where the condition holds and nan elsewhere: so a parameter outside its domain turns its lane into
 // nan.
 template <class T, class Mask>
 MICROFACET_INLINE T nan_unless(const Mask& condition, const T& x) {
-  return select(condition, x, nan<T>());
+  if constexpr (records<T>) {
+    return x;
+  } else {
+    return select(condition, x, nan<T>());
+  }
 }
 
 // (exp(x) - 1)/x and log(1 + x)/x, and at x = 0 their limits, with the right slope for numbers that carry

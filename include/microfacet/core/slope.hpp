@@ -45,6 +45,11 @@ template <class T>
 struct near_integrals {
   T mass, moment;
 };
+template <class T, class Mask>
+MICROFACET_INLINE near_integrals<T> select(const Mask& mask, const near_integrals<T>& a,
+                                           const near_integrals<T>& b) {
+  return {select(mask, a.mass, b.mass), select(mask, a.moment, b.moment)};
+}
 
 // The stretched direction from which normals are seen, of unit length, and 1/wx, which counts below the horizon alone.
 template <class T>

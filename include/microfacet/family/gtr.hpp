@@ -15,6 +15,7 @@
 #include <array>
 #include <string_view>
 
+#include "microfacet/core/choices.hpp"
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/logarithms.hpp"
 #include "microfacet/core/math.hpp"
@@ -93,18 +94,18 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
   auto falls() const { return (gamma_ - T(2)) * a2_ <= gamma_; }
   T P2(const slope<T>& t_argument) const {
     const slope<T> t = microfacet::bounded(slope<T>(abs(t_argument.value), t_argument.squared));
-    return select_lazy(
+    return select_special(
         gamma_ == T(1), [&] { return closed_marginal(t).density(); }, [&] { return marginal(t).density(); });
   }
   T slope_sf(const slope<T>& t) const {
     return symmetric_sf(t, [this](const slope<T>& above) {
       const slope<T> x = microfacet::bounded(above);
-      return select_lazy(
+      return select_special(
           gamma_ == T(1), [&] { return closed_marginal(x).sf(); }, [&] { return marginal(x).sf(); });
     });
   }
   T mean_excess(const slope<T>& x) const {
-    return select_lazy(
+    return select_special(
         gamma_ == T(1), [&] { return closed_marginal(x).excess(); }, [&] { return marginal(x).excess(); });
   }
 
@@ -128,7 +129,14 @@ class gtr : public radial_defaults<T, part::direct_radius | part::conditional_fa
     return {x.value.high, a2_, span_, omega_};
   }
   detail::gtr_marginal<T> marginal(const slope<T>& x) const {
-    return {x, smaller_, exact_span(), ratio(x.squared), g_, T(omega_ * select(g_ > T(0), down_, up_))};
+    if constexpr (records<T>) {
+      // At gamma = 1 it is the derivative that is wanted, a quotient that vanishes.
+      const T g =
+          select(g_ == T(0), T(g_ + T(sizeof(typename scalar_traits<T>::real) == 4 ? 1e-3 : 1e-7)), g_);
+      return {x, smaller_, exact_span(), ratio(x.squared), g, T(omega_ * expm1_over(T(-abs(g) * beta_)))};
+    } else {
+      return {x, smaller_, exact_span(), ratio(x.squared), g_, T(omega_ * select(g_ > T(0), down_, up_))};
+    }
   }
   // |1 - alpha^2|, and (exp(V) - 1) over it, with the digits that an exponent needs.
   double_double<T> exact_span() const {

@@ -141,6 +141,8 @@ struct radial_defaults {
   using scalar = T;
   static constexpr unsigned parts = Parts, tabulate = Tabulate;
   static constexpr bool float32_arithmetic = (Tabulate & of_survival) == 0;
+  // Whether a graph in float32 may have any shape as an argument: its own forms reach 2e-5 there.
+  static constexpr bool float32_graphs = true;
   static constexpr bool shape_invariant = true;
   static constexpr std::array<parameter, 0> parameters{};
   // Uniforms that a visible normal takes, by the scheme that is continuous in them and by the mixture.

@@ -101,7 +101,11 @@ class student_t
     const T y = t * t * inverse_k_.high;
     const auto series = [&] { return T(student::excess(k_, y, T(log1p(y))) * sqrt(T(1) + y) / norm_); };
     const auto difference = [&] { return T(moment_over_density(t, sf) - t * sf); };
-    return select_lazy(t * t < T(0.5), [&] { return difference(); }, [&] { return series(); });
+    if constexpr (records<T>) {
+      return series();
+    } else {
+      return select_lazy(t * t < T(0.5), [&] { return difference(); }, [&] { return series(); });
+    }
   }
   T score(const T& t, const T&) const { return (T(-2) * k_ - T(1)) * t / (k_ + t * t); }
   T log_density_ratio(const T& t, const T& v) const {
@@ -137,7 +141,8 @@ class student_t
   }
   // Where a table gives J(t)/t = 1/v: M(P) = (1 - xi) M(t), and the slope across.
   T moment_beyond(const T& t, const T& xi) const {
-    return sqrt(t * t + (k_ + t * t) * expm1(T(-log1p(-xi) / (k_ - T(0.5)))));
+    const T change = (k_ + t * t) * expm1(T(-log1p(-xi) / (k_ - T(0.5))));
+    return sqrt(minimum(T(t * t + change), square(largest_slope<T>())));
   }
   T across_of_tables(const T& along, const T& xi, const T& turn) const {
     return this->across(along, T(-log1p(-xi))) * elementary::cos_sin_of_turns(T(T(0.5) * turn)).cosine;
@@ -169,6 +174,7 @@ class student_t
   }
   // log A(t^2), also where t^2 is infinite.
   double_double<T> growth(const slope<T>& t) const {
+    if constexpr (records<T>) return log1p_double_double(t.squared * inverse_k_);
     const T size = abs(t.value.high);
     const auto steep = size > largest_slope<T>();
     return select_lazy(

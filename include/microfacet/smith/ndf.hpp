@@ -45,8 +45,16 @@ class ndf {
   T slope_cdf(const T& p) const { return family_.slope_sf(-shape_.standard(p)); }
 
   // Normals, per steradian: P22 at the slopes (-x/z, -y/z), over (z/|m|)^4.
-  T D(const vec3<T>& m) const { return density(m) * square(T(dot(m, m))); }
-  T D(const cosine<T>& m) const { return density(m); }
+  T D(const vec3<T>& m) const { return D_of_unit(m) * square(T(dot(m, m))); }
+  T D(const cosine<T>& m) const { return D_of_unit(m); }
+  // Of a normal of unit length, or a cosine. Slopes are homogeneous in the normal. Below the horizon D means nothing,
+  // but a nan stays one.
+  template <class Direction>
+  T D_of_unit(const Direction& m) const {
+    const T value = rounded(family_.D(T(m.z * shape_.unit()), shape_.unit_slope2(m))) * shape_.unit_density();
+    const T nothing = T(0) * shape_.unit_density() + family_.zero_or_nan();
+    return select(m.z > T(0), value, multiply_add(m.z, nothing, nothing));
+  }
   // Density per steradian of normals drawn from D cos(theta).
   T pdf(const vec3<T>& m) const { return D(m) * m.z / sqrt(dot(m, m)); }
 
@@ -74,14 +82,6 @@ class ndf {
   }
 
  private:
-  // Slopes are homogeneous in the normal. Below the horizon D means nothing, but a nan stays one.
-  template <class Direction>
-  T density(const Direction& m) const {
-    const T value = rounded(family_.D(T(m.z * shape_.unit()), shape_.unit_slope2(m))) * shape_.unit_density();
-    const T nothing = T(0) * shape_.unit_density() + family_.zero_or_nan();
-    return select(m.z > T(0), value, multiply_add(m.z, nothing, nothing));
-  }
-
   Family family_;
   Shape shape_;
 };

@@ -50,6 +50,7 @@ struct cosine {
 
  private:
   static T bounded(const T& u) {
+    if constexpr (records<T>) return u;
     const auto valid = abs(u) <= T(largest_cosine<typename scalar_traits<T>::real>);
     return nan_unless(valid, minimum(maximum(u, T(-1)), T(1)));
   }
@@ -77,10 +78,9 @@ double_double<T> reciprocal(const double_double<T>& a) {
 
 // What both shapes offer, of slopes (p, q) and directions:
 //   slope2, length       the standard slope squared, and its length where the square would leave the range
-//   unit, unit_slope2    a power of two whose fourth power is near the area, and the squared standard slope
-//   of
-//                        slopes or of a normal times (z unit)^2, exactly: D at unit z over- and underflows
-//                        where the surface's density does
+//   unit, unit_slope2    a power of two whose fourth power is near the area (or what is shortest for numbers whose
+//                        roundings do not count), and the squared standard slope of slopes or of a normal times
+//                        (z unit)^2: D at unit z over- and underflows where the surface's density does
 //   unit_density         what times D(unit z, unit_slope2) gives that density
 //   stretch2             the squared sine of the stretched direction
 //   along_x, standard    the roughness of slopes along x, and slopes over it
@@ -94,8 +94,8 @@ class isotropic_shape {
       : alpha_(valid_alpha(alpha)),
         alpha2_(square(alpha_)),
         inverse_(reciprocal(alpha_)),
-        unit_(elementary::power_of_two_of_root(alpha_.high)),
-        unit2_(square(unit_) * reciprocal(alpha2_)) {}
+        unit_(records<T> ? alpha_.high : elementary::power_of_two_of_root(alpha_.high)),
+        unit2_(records<T> ? double_double<T>(T(1)) : square(unit_) * reciprocal(alpha2_)) {}
 
   T unit() const { return unit_; }
   T unit_density() const { return rounded(T(square(unit_) * unit2_.high)); }
@@ -143,7 +143,14 @@ class anisotropic_shape {
   T unit_density() const {
     return rounded(T(square(unit_) / alpha_x_.high)) * rounded(T(square(unit_) / alpha_y_.high));
   }
-  double_double<T> unit_slope2(const T& p, const T& q) const { return weighed(p, q, unit_x2_, unit_y2_); }
+  double_double<T> unit_slope2(const T& p, const T& q) const {
+    if constexpr (records<T>) {
+      const T a = (c_ * p + s_ * q) / alpha_x_.high, b = (c_ * q - s_ * p) / alpha_y_.high;
+      return T(a * a + b * b);
+    } else {
+      return weighed(p, q, unit_x2_, unit_y2_);
+    }
+  }
   double_double<T> unit_slope2(const vec3<T>& m) const { return unit_slope2(m.x, m.y); }
   T length(const T& p, const T& q) const {
     return microfacet::length(T((c_ * p + s_ * q) / alpha_x_.high), T((c_ * q - s_ * p) / alpha_y_.high));

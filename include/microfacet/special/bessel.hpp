@@ -7,9 +7,11 @@
 // two variables (tools/derive_bessel.py), without loss; from order 400 on they are Debye's expansion.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
+#include "microfacet/approx/accumulate.hpp"
 #include "microfacet/core/double_double.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/polynomial.hpp"
@@ -55,11 +57,6 @@ T clamped(const T& y, const T& order) {
 template <class T>
 inline constexpr double large_order =
     by_precision<T>(40.0F, 400.0);  // in float, larger ones overflow far out
-inline constexpr auto reciprocals = [] {
-  std::array<double, static_cast<std::size_t>(large_order<double>) + 3> values{};
-  for (std::size_t n = 1; n < values.size(); ++n) values[n] = 1.0 / static_cast<double>(n);
-  return values;
-}();
 
 template <class T>
 struct ladder {
@@ -87,22 +84,31 @@ struct ladder {
   // Multiplies all rungs.
   void scale(const T& factor) { below = below * factor, at = at * factor, above = above * factor; }
 
-  // Up to nu, with rung(climbing, j, 1/(j + 1), h_{mu+j}/j!, h_{mu+j+1}/(j + 1)!) before each step from j. A
+  // Up to nu, with carried = rung(term j, h_{mu+j}/j!, h_{mu+j+1}/(j + 1)!, carried) before each step from j. A
   // lane that has arrived stays.
-  template <class Rung>
-  MICROFACET_INLINE void climb(const Rung& rung) {
-    T b = below, c = at, d = above;
-    const auto step = [&](std::size_t j) {
-      const auto climbing = T(static_cast<double>(j)) < steps;
-      const double inverse = reciprocals[j + 1], next = reciprocals[j + 2];
-      rung(climbing, static_cast<double>(j), inverse, c, d);
-      const T lower = (y * c) * (y * T(inverse * next));  // the square of y alone may underflow
-      const T upper = multiply_add(multiply_add(mu, T(next), T(1 - next)), d, lower);
-      b = select(climbing, lower, b), c = select(climbing, d, c), d = select(climbing, upper, d);
-    };
-    for (std::size_t j = 0; j + 2 < reciprocals.size() && any_lane(T(static_cast<double>(j)) < steps); j += 2)
-      step(j), step(j + 1);
-    below = b, at = c, above = d;
+  template <std::size_t N, class Rung>
+  MICROFACET_INLINE std::array<T, N> climb(const std::array<T, N>& carried, const Rung& rung) {
+    using states = std::array<T, N + 3>;
+    using constant = typename term<T>::constant;
+    states all{below, at, above};
+    std::copy(carried.begin(), carried.end(), all.begin() + 3);
+    all =
+        accumulate<2>(static_cast<int>(large_order<T>), steps, all, [&](const term<T>& j, const states& now) {
+          const auto inverse = j.inverse(1), next = j.inverse(2);
+          const T c = now[1], d = now[2];
+          std::array<T, N> more;
+          std::copy(now.begin() + 3, now.end(), more.begin());
+          more = rung(j, c, d, more);
+          const T lower = (y * c) * (y * T(inverse * next));  // the square of y alone may underflow
+          const T upper = multiply_add(multiply_add(mu, T(next), T(constant(1) - next)), d, lower);
+          states then{lower, d, upper};
+          std::copy(more.begin(), more.end(), then.begin() + 3);
+          return then;
+        });
+    below = all[0], at = all[1], above = all[2];
+    std::array<T, N> last;
+    std::copy(all.begin() + 3, all.end(), last.begin());
+    return last;
   }
   // exp(-y), changed so that its square corrects h for y.low: h' = -2y h_{nu-1}.
   T decay(const double_double<T>& exact) const {
@@ -117,10 +123,11 @@ struct ladder {
 template <class T>
 neighbours<T> climb(const T& nu, const double_double<T>& y) {
   ladder<T> l(nu, y.high);
-  T factorial(1);  // Gamma(nu + 1)/Gamma(mu + 1)/steps!
-  l.climb([&](const auto& climbing, double, double inverse, const T&, const T&) {
-    factorial = select(climbing, T(factorial * multiply_add(l.mu, T(inverse), T(1))), factorial);
-  });
+  // Gamma(nu + 1)/Gamma(mu + 1)/steps!
+  const auto [factorial] =
+      l.climb(std::array{T(1)}, [&](const term<T>& j, const T&, const T&, const std::array<T, 1>& now) {
+        return std::array{T(now[0] * multiply_add(l.mu, T(j.inverse(1)), T(1)))};
+      });
   const T factor = l.gamma.plus(l.mu) / factorial, next = (l.steps + T(1)) * factor;
   return {l.below * next, l.at * factor, l.above * next / (nu + T(1)), T(T(-2) * y.high), l.decay(y)};
 }

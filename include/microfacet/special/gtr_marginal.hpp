@@ -178,7 +178,12 @@ class gtr_marginal {
   }
 
   // The rule's error due to the pole of both integrands at r = 0, where survival is 1.
-  T pole() const { return T(1) / (T(1) + exp(T(T(4) * pairs_ * log_rho_))); }
+  T pole() const {
+    const T exponent = T(4) * pairs_ * log_rho_;
+    // Infinity is no number to a compiler that may assume there is none.
+    if constexpr (records<T>) return T(1) / (T(1) + exp(minimum(exponent, T(single ? 80 : 600))));
+    return T(1) / (T(1) + exp(exponent));
+  }
 
   T x_, amplitude_, g_;
   decltype(T() > T()) rising_, early_;

@@ -6,16 +6,32 @@
 //   mean_excess(x) = mean (rho - x acos(x/r))/pi,  slope_sf(x) = mean acos(x/r)/pi,  P2(x) = mean 1/(pi rho)
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
+#include "microfacet/approx/accumulate.hpp"
 #include "microfacet/approx/gauss.hpp"
 #include "microfacet/core/math.hpp"
 
 namespace microfacet::detail {
 
+// Gauss' rule for the mean, in s = sqrt(|g| L), in which it is analytic: s^2, and the weights over pi.
 template <std::size_t Nodes>
-inline const gauss_legendre<Nodes> rule_of_circles;
+struct rule_of_circles {
+  std::array<double, Nodes> square, weight;
+
+  // exp(-end^2) is nothing.
+  explicit rule_of_circles(double end) {
+    const gauss_legendre<Nodes> rule;
+    for (std::size_t i = 0; i < Nodes; ++i) {
+      const double s = 0.5 * end * (1 + rule.node[i]);
+      square[i] = s * s, weight[i] = end * rule.weight[i] * s * std::exp(-s * s) / pi;
+    }
+  }
+};
+template <bool single>
+inline const rule_of_circles<single ? 14 : 28> the_rule_of_circles(single ? 4.5 : 6.4);
 
 template <class T>
 class gtr_wide_circles {
@@ -24,21 +40,16 @@ class gtr_wide_circles {
   gtr_wide_circles(const T& x, const T& amplitude, const T& span, const T& rate)
       : x_(x), amplitude2_(square(amplitude)), span_(span), inverse_rate_(T(1) / rate) {}
 
-  // (1/pi) the mean of f(rho, acos(x/r)), by Gauss' rule in sqrt(|g| L), in which it is analytic.
+  // (1/pi) the mean of f(rho, acos(x/r)).
   template <class Function>
   T mean(const Function& f) const {
-    constexpr std::size_t nodes = single ? 14 : 28;
-    const auto& rule = rule_of_circles<nodes>;
-    constexpr double end = single ? 4.5 : 6.4;  // exp(-end^2) is nothing
-    T sum(0);
-    for (std::size_t i = 0; i < rule.nodes; ++i) {
-      const double s = 0.5 * end * (1 + rule.node[i]);
-      const double weight = end * rule.weight[i] * s * std::exp(-s * s) / pi;
-      const T rho2 = maximum(T(span_ / expm1(T(s * s) * inverse_rate_) - amplitude2_), smallest<T>());
+    const auto& rule = the_rule_of_circles<single>;
+    return accumulate(static_cast<int>(rule.square.size()), T(0), [&](const term<T>& i, const T& sum) {
+      const T rho2 =
+          maximum(T(span_ / expm1(T(i.of(rule.square)) * inverse_rate_) - amplitude2_), smallest<T>());
       const T rho = sqrt(rho2), r = sqrt(rho2 + x_ * x_);
-      sum = sum + T(weight) * f(rho, twice_arctangent(T(rho / (r + x_))));
-    }
-    return sum;
+      return T(sum + T(i.of(rule.weight)) * f(rho, twice_arctangent(T(rho / (r + x_)))));
+    });
   }
 
  private:

@@ -7,6 +7,10 @@
 //   sf_{a+1} = sf_a + t P2_a/(2a),   excess_{a+1} = excess_a + P2_{a+1}/4
 #pragma once
 
+#include <array>
+#include <type_traits>
+
+#include "microfacet/approx/accumulate.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/special/bessel.hpp"
 #include "microfacet/special/coefficients/variance_gamma_excess.hpp"
@@ -93,7 +97,10 @@ struct sf {
           return maximum(T(half - t * gamma.above * (k.at * lower + k.below * upper)), T(0));
         });
   }
-  static T added(const T& t, const T& at, const T&, double inverse) { return t * (at * T(2 * inverse)); }
+  template <class Constant>
+  static T added(const T& t, const T& at, const T&, const Constant& inverse) {
+    return t * (at * T(Constant(2) * inverse));
+  }
 };
 template <class T>
 struct excess {
@@ -107,7 +114,10 @@ struct excess {
                  const T& decay) {
     return maximum(T(T(0.5) * gamma.at * k.above - t * sf<T>::inner(a, t, k, gamma, decay)), T(0));
   }
-  static T added(const T&, const T&, const T& above, double) { return above; }
+  template <class Constant>
+  static T added(const T&, const T&, const T& above, const Constant&) {
+    return above;
+  }
 };
 
 template <template <class> class Tail, class T>
@@ -116,7 +126,7 @@ T climbing(const T& a, const double_double<T>& t) {
   const T first = maximum(T(a - k.steps), smallest<T>());
   const inverse_gammas<T> gamma(first);
   const auto distant = bessel::is_far(k.y);
-  T sum = select_lazy(
+  const T start = select_lazy(
       distant,
       [&] {
         return T(k.lead * Tail<T>::outer(bessel::far_variable(T(select(distant, k.y, T(1)))), k.mu, gamma));
@@ -125,13 +135,14 @@ T climbing(const T& a, const double_double<T>& t) {
         const T inside = select(distant, T(0.25), k.y);
         return Tail<T>::inner(first, inside, k, gamma, T(exp(-inside)));
       });
-  T factorial(1);  // Gamma(a)/Gamma(first)/steps!
   k.scale(T(0.25) * gamma.at);
-  k.climb([&](const auto& up, double j, double inverse, const T& at, const T& above) {
-    const T order = multiply_add(first, T(inverse), T(j * inverse));
-    sum = select(up, multiply_add(order, sum, Tail<T>::added(k.y, at, above, inverse)), sum);
-    factorial = select(up, T(factorial * order), factorial);
-  });
+  using sums = std::array<T, 2>;  // and Gamma(a)/Gamma(first)/steps!
+  const auto [sum, factorial] =
+      k.climb(sums{start, T(1)}, [&](const term<T>& j, const T& at, const T& above, const sums& now) {
+        const auto inverse = j.inverse(1);
+        const T order = multiply_add(first, T(inverse), T(j.plus(0) * inverse));
+        return sums{multiply_add(order, now[0], Tail<T>::added(k.y, at, above, inverse)), T(now[1] * order)};
+      });
   const T decay = k.decay(t);  // the tails fall about as the density does
   return sum * decay * (decay / factorial);
 }
@@ -142,18 +153,18 @@ template <template <class> class Tail, class T>
 T averaged(const T& a, const T& t) {
   const T curvature = a * sqrt(T(1) + square(T(T(2) * t / a))), peak = T(0.5) * (a + curvature);
   const T spread = t * t / peak, root = sqrt(peak), step = T(0.5) / sqrt(curvature);
-  T density_sum(0), sum(0);
-  for (int j = -18; j <= 18; ++j) {
-    const T tau = T(j) * step, sigma = root * exp(T(0.5) * tau), x = t / sigma;
+  using sums = std::array<T, 2>;
+  const auto [all, all_density] = accumulate(37, sums{T(0), T(0)}, [&](const term<T>& j, const sums& now) {
+    const T tau = T(j.plus(-18)) * step, sigma = root * exp(T(0.5) * tau), x = t / sigma;
     const T weight = exp(-peak * expm1_less(tau) - spread * expm1_less(T(-tau)));
-    density_sum = density_sum + weight / sigma;
+    const T density_sum = now[1] + weight / sigma;
     if constexpr (std::is_same_v<Tail<T>, sf<T>>) {
-      sum = sum + weight * erfc_scaled(x);
+      return sums{T(now[0] + weight * erfc_scaled(x)), density_sum};
     } else {
-      sum = sum + weight * sigma * ierfc_scaled(x);
+      return sums{T(now[0] + weight * sigma * ierfc_scaled(x)), density_sum};
     }
-  }
-  return T(0.5 * sqrt_pi) * density(a, double_double<T>(t)) * sum / density_sum;
+  });
+  return T(0.5 * sqrt_pi) * density(a, double_double<T>(t)) * all / all_density;
 }
 
 template <template <class> class Tail, class T>

@@ -16,6 +16,7 @@
 #include <array>
 
 #include "microfacet/approx/iterate.hpp"
+#include "microfacet/core/choices.hpp"
 #include "microfacet/core/logarithms.hpp"
 #include "microfacet/family/radial.hpp"
 #include "microfacet/smith/visible/point.hpp"
@@ -33,11 +34,12 @@ class visible_slope_solver : visible_functions<Family, T> {
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
 
  public:
-  visible_slope_solver(const Family& family, const T& x, const T& share)
+  // below: where x <= 0, which who knows it may say.
+  visible_slope_solver(const Family& family, const T& x, const T& share, const Mask& below)
       : base(family),
         x_(x),
         nothing_(T(0) * (x + share)),
-        below_(x <= T(0)),
+        below_(below),
         start_(select(below_, T(-x), T(0))),
         c_(select(below_, T(0), x)),
         at_start_(at(start_)),
@@ -46,8 +48,7 @@ class visible_slope_solver : visible_functions<Family, T> {
     T under(0);
     if (any_lane(!below_)) {
       const auto nearby = family_.is_near(start_, c_, at_start_.sf);
-      near_integrals<T> s{T(0), T(0)};
-      if (any_lane(nearby)) s = family_.near_moments(start_, c_);
+      const near_integrals<T> s = moments_where(nearby, start_, c_);
       under = select(below_, T(0), lower(nearby, s, at_start_, c_));
     }
     const T whole = above + under, rest = T(1) - share;
@@ -84,7 +85,10 @@ class visible_slope_solver : visible_functions<Family, T> {
   // `usual` but in the lanes of a mask that seldom has any.
   template <class Rare>
   static T unless(const Mask& mask, const T& usual, const Rare& rare) {
-    return any_lane(mask) ? select(mask, T(rare()), usual) : usual;
+    return select_seldom(mask, rare, usual);
+  }
+  near_integrals<T> moments_where(const Mask& mask, const T& t, const T& d) const {
+    return select_seldom(mask, [&] { return family_.near_moments(t, d); }, near_integrals<T>{T(0), T(0)});
   }
 
   // Over P2(t), the probability of what lies above t = start + v, and of what lies below -t = d - x.
@@ -143,8 +147,7 @@ class visible_slope_solver : visible_functions<Family, T> {
     // Close to its end each side is an integral over little, else the difference of two.
     const T origin = select(on_lower_, t, start_), distance = select(on_lower_, d, v);
     const auto nearby = family_.is_near(origin, distance, select(on_lower_, p.sf, at_start_.sf));
-    near_integrals<T> s{T(0), T(0)};
-    if (any_lane(nearby)) s = family_.near_moments(origin, distance);
+    const near_integrals<T> s = moments_where(nearby, origin, distance);
     const T N = unless(on_lower_, upper(p, v), [&] { return lower(nearby, s, p, d); });
     const T change = (between_ - (c_ * s.mass + s.moment)) / (part_ - between_);
     const auto from_start = nearby & !on_lower_;
@@ -177,9 +180,13 @@ class visible_slope_solver : visible_functions<Family, T> {
 }  // namespace detail
 
 // `share` in (0, 1) is the probability of a slope above the result.
+template <class Family, class T, class Mask>
+T visible_slope(const Family& family, const T& x, const T& share, const Mask& below) {
+  return detail::visible_slope_solver<Family, T>(family, x, share, below)();
+}
 template <class Family, class T>
 T visible_slope(const Family& family, const T& x, const T& share) {
-  return detail::visible_slope_solver<Family, T>(family, x, share)();
+  return visible_slope(family, x, share, x <= T(0));
 }
 
 }  // namespace microfacet

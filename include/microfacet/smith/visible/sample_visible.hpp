@@ -62,11 +62,12 @@ T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2)
 // A call, so that what surrounds it stays short.
 template <class Family, class T>
 [[gnu::noinline]] visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0,
-                                                         const T& xi1, const T& xi2) {
+                                                         const T& xi1, const T& xi2,
+                                                         const decltype(x <= x)& below) {
   const auto from = [&](const auto& tails) -> visible_slopes<T> {
     T least = smallest<T>();
     if constexpr (requires { tails.least_share(); }) least = tails.least_share();
-    const T along = visible_slope(tails, x, T(maximum(xi0, least)));
+    const T along = visible_slope(tails, x, T(maximum(xi0, least)), below);
     return {along, slope_across(tails, along, xi1, xi2)};
   };
   if constexpr (tail_quotients<Family>) {
@@ -98,7 +99,7 @@ MICROFACET_INLINE visible_slopes<T> start_visible_slopes(const Family& family, c
 template <class Family, class T>
 MICROFACET_INLINE visible_slopes<T> draw_visible_slopes(const Family& family, const T& x, const T& xi0,
                                                         const T& xi1, const T& xi2) {
-  const auto solved = [&] { return solve_visible_slopes(family, x, xi0, xi1, xi2); };
+  const auto solved = [&] { return solve_visible_slopes(family, x, xi0, xi1, xi2, x <= T(0)); };
   if constexpr (slope_sampling<Family>) {
     return family.visible_slopes_of(x, xi0, xi1, xi2);
   } else if constexpr (special_slope_sampling<Family>) {

@@ -13,6 +13,7 @@
 // both inverses of functions of one variable: polynomials, where the other scheme has to iterate.
 #pragma once
 
+#include "microfacet/approx/iterate.hpp"
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/core/vec.hpp"
@@ -36,11 +37,31 @@ visible_slopes<T> composed_from_below(const Family& family, const T& X, const T&
   const T along = family.moment_beyond(least, u.xi[1]);
   return {nan_unless(reached, along), family.across_of_tables(along, u.xi[2], u.xi[3])};
 }
+// g > X with J(g)/g = part J(X)/X, by Newton's method in s = log(g/X), in which log(J/g) is concave: it falls by M(g)/J(g).
+// The start lies beyond the solution, since J(g) <= J(X) and J(g) <= M(g).
+template <class Family, class T>
+T excess_radius_by_newton(const Family& family, const T& X_argument, const T& part) {
+  constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
+  const T X = maximum(X_argument, T(single ? 1e-15 : 1e-150)), depth = -log(part);
+  const T at_X = family.excess_over_density(X, family.sf_over_density(X));
+  const T moment = family.moment_over_density(X, at_X);
+  const T beyond = family.moment_radius(X, T(depth + log(moment / at_X)));
+  const T s = iterate(30, minimum(depth, T(log1p(beyond / X))), depth == depth, [&](const T& now) {
+    const T v = X * expm1(now), g = X + v, excess = family.excess_over_density(g, family.sf_over_density(g));
+    const T residual = depth - now - family.log_density_ratio(X, v) + log(excess / at_X);
+    const T change = residual * excess / family.moment_over_density(g, excess);
+    return iteration{maximum(T(now + change), T(0)), abs(change) > T(single ? 3e-4 : 1e-8)};
+  });
+  return X + X * expm1(s);
+}
 template <class Family, class T>
 visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& excess, const T& part,
                                   const uniforms<T>& u) {
   if constexpr (always_composes<Family>) {
     return composed_from_below(family, X, excess, part, u, excess > T(1e-30));
+  } else if constexpr (records<T> && tail_quotients<Family> && mixture_sampling<Family>) {
+    const T along = family.moment_beyond(excess_radius_by_newton(family, X, part), u.xi[1]);
+    return {along, family.across_of_tables(along, u.xi[2], u.xi[3])};
   } else if constexpr (starts<Family> && started_inversion<Family>) {
     return start_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]);
   } else {
@@ -48,7 +69,7 @@ visible_slopes<T> seen_from_below(const Family& family, const T& X, const T& exc
       if (family.samples_from_tables())
         return composed_from_below(family, X, excess, part, u, tables_reach(family, T(-X)));
     }
-    return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3]);
+    return solve_visible_slopes(family, T(-X), part, u.xi[2], u.xi[3], X == X);
   }
 }
 template <class Family, class T>

@@ -6,7 +6,9 @@
 #include <array>
 #include <cstddef>
 
+#include "microfacet/approx/accumulate.hpp"
 #include "microfacet/approx/gauss.hpp"
+#include "microfacet/approx/iterate.hpp"
 #include "microfacet/core/elementary.hpp"
 #include "microfacet/core/math.hpp"
 #include "microfacet/family/radial.hpp"
@@ -14,8 +16,17 @@
 namespace microfacet {
 
 namespace detail {
-inline const gauss_legendre<24> rule_across;
-}
+// Gauss' rule on [0, 1].
+struct gauss_of_unit {
+  std::array<double, 24> node, weight;
+  gauss_of_unit() {
+    const gauss_legendre<24> rule;
+    for (std::size_t i = 0; i < node.size(); ++i)
+      node[i] = 0.5 * (1 + rule.node[i]), weight[i] = 0.5 * rule.weight[i];
+  }
+};
+inline const gauss_of_unit rule_across;
+}  // namespace detail
 
 template <class Family, class T>
 class visible_tails {
@@ -79,11 +90,11 @@ class visible_tails {
                                          0.93056815579702629},
         weight{0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
     const T reciprocal = T(1) / density(t);
-    T mass(0), moment(0);
-    for (std::size_t i = 0; i < node.size(); ++i) {
-      const T s = T(node[i]) * d, part = T(weight[i]) * density(T(t + s)) * reciprocal;
-      mass = mass + part, moment = moment + s * part;
-    }
+    using sums = std::array<T, 2>;
+    const auto [mass, moment] = accumulate(4, sums{T(0), T(0)}, [&](const term<T>& i, const sums& now) {
+      const T s = T(i.of(node)) * d, part = T(i.of(weight)) * density(T(t + s)) * reciprocal;
+      return sums{T(now[0] + part), T(now[1] + s * part)};
+    });
     return {d * mass, d * moment};
   }
 
@@ -108,17 +119,16 @@ class visible_tails {
       return T(family_.P22(double_double<T>(along * along + q * q)) * scale / (cosine * cosine));
     };
     const auto integral = [&](const T& angle) {
-      T sum(0);
-      for (std::size_t i = 0; i < rule.nodes; ++i)
-        sum = sum + T(0.5 * rule.weight[i]) * part(T(angle * T(0.5 * (1 + rule.node[i]))));
-      return T(sum * angle);
+      const auto add = [&](const term<T>& i, const T& sum) {
+        return T(sum + T(i.of(rule.weight)) * part(T(angle * T(i.of(rule.node)))));
+      };
+      return T(accumulate(static_cast<int>(rule.node.size()), T(0), add) * angle);
     };
     const T target = xi * integral(T(1));
-    T angle = xi;
-    for (int i = 0; i < 10; ++i) {
-      const T next = angle - (integral(angle) - target) / maximum(part(angle), smallest<T>());
-      angle = maximum(minimum(next, T(T(0.5) + T(0.5) * angle)), T(T(0.5) * angle));
-    }
+    const T angle = iterate(10, xi, xi == xi, [&](const T& now) {
+      const T next = now - (integral(now) - target) / maximum(part(now), smallest<T>());
+      return iteration{maximum(minimum(next, T(T(0.5) + T(0.5) * now)), T(T(0.5) * now)), xi == xi};
+    });
     const elementary::circle<T> at = elementary::cos_sin_of_turns(T(angle * T(0.25)));
     return scale * at.sine / maximum(at.cosine, T(1e-6));
   }
@@ -136,21 +146,22 @@ class visible_tails {
     }
     // In the variable log(R^2 - along^2), between bounds.
     const T start = density(along);
-    T least(0), most = square(largest_slope<T>());
-    auto moving = elementary::is_number(rest) & (rest > T(0));
-    for (int i = 0; i < 40; ++i) {
-      const T R = off_zero(sqrt(along * along + rest)), value = density(R), r = log(start / value) - depth;
-      least = select(r < T(0), rest, least), most = select(r > T(0), rest, most);
+    using states = std::array<T, 3>;
+    const auto step = [&](const states& now) {
+      const T before = now[0], R = off_zero(sqrt(along * along + before)), value = density(R);
+      const T r = log(start / value) - depth;
+      const T least = select(r < T(0), before, now[1]), most = select(r > T(0), before, now[2]);
       const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
-      const T change = T(2) * R * r / maximum(T(slope * rest), smallest<T>());
-      const T to = rest * exp(maximum(minimum(T(-change), T(4)), T(-4)));
+      const T change = T(2) * R * r / maximum(T(slope * before), smallest<T>());
+      const T to = before * exp(maximum(minimum(T(-change), T(4)), T(-4)));
       const auto inside = (to >= least) & (to <= most);
       const T moved = select(inside | (least == T(0)), to, T(sqrt(least) * sqrt(most)));
-      const auto changes = abs(moved - rest) > T(single ? 1e-3 : 1e-9) * rest;
-      rest = select(moving & elementary::is_number(moved) & (moved >= T(0)), moved, rest);
-      moving = moving & changes;
-      if (!any_lane(moving)) break;
-    }
+      const T after = select(elementary::is_number(moved) & (moved >= T(0)), moved, before);
+      return iteration{states{after, least, most},
+                       decltype(r < T(0))(abs(moved - before) > T(single ? 1e-3 : 1e-9) * before)};
+    };
+    const auto moving = elementary::is_number(rest) & (rest > T(0));
+    rest = iterate(40, states{rest, T(0), square(largest_slope<T>())}, moving, step)[0];
     return select(depth == T(0), T(0), T(sqrt(rest)));  // where rounding would leave its root
   }
 
