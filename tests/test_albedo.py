@@ -79,6 +79,14 @@ def test_directions_integrate_to_the_same(alpha: float) -> None:
     assert abs(2 * value - white.albedo(wi)) < 1e-6 + 2 * error
 
 
+def test_quadrature_gives_the_same_in_any_company() -> None:
+    cosine = (np.arange(70) + 0.5) / 70
+    wi = np.stack((np.sqrt(1 - cosine**2), 0 * cosine, cosine), -1)
+    glass = mf.Dielectric(mf.StudentT(alpha=0.3, gamma=2.5), 1.5)
+    together = glass.albedo(wi, part="reflected")
+    assert [glass.albedo(w, part="reflected") for w in wi[::9]] == together[::9].tolist()
+
+
 def test_known_values() -> None:
     # D = 1/pi and G2 = 2 c/(1 + c): the integral of c/(1 + c) over directions of mirrored light.
     assert mf.Conductor(mf.GGX(alpha=1.0)).albedo([0, 0, 1]) == pytest.approx(1 - np.log(2), abs=1e-9)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from microfacet._bake.recipe import Recipe
 from microfacet._bsdf.quadrature import escaped
+from microfacet._bsdf.split_sum import SchlickParts
 
 __all__ = ["compute"]
 
@@ -15,7 +16,8 @@ Array = NDArray[np.float64]
 
 def compute(recipe: Recipe, cell: int) -> dict[str, Array]:
     """Results by name; the same for a cell wherever, whenever and next to whatever it is computed."""
-    values = {"albedo": _albedo, "energy": _energy, "bsdf": _bsdf}[recipe.kind](recipe, cell)
+    computed = {"albedo": _albedo, "energy": _energy, "split_sum": _split_sum, "bsdf": _bsdf}
+    values = computed[recipe.kind](recipe, cell)
     return {name: np.asarray(values[name], np.float64) for name in recipe.variables}
 
 
@@ -50,6 +52,11 @@ def _energy(recipe: Recipe, cell: int) -> dict[str, Array]:
     material = recipe.optics(cell, "single")
     missing = 1 - material.albedo(_directions(np.array(recipe.cos_theta)))
     return {"missing": missing, "missing_average": 1 - material.average_albedo()}
+
+
+def _split_sum(recipe: Recipe, cell: int) -> dict[str, Array]:
+    found = escaped(SchlickParts(recipe.ndf(cell)), _directions(np.array(recipe.cos_theta))).reflected
+    return {"scale": found[:, 0], "bias": found[:, 1]}
 
 
 def _bsdf(recipe: Recipe, cell: int) -> dict[str, Array]:

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 import microfacet as mf
 
-__all__ = ["KINDS", "Recipe", "grid", "names_of", "recipe"]
+__all__ = ["KINDS", "Recipe", "grid", "names_of", "one_of", "recipe", "shape_name"]
 
-KINDS = ("albedo", "energy", "bsdf")
+KINDS = ("albedo", "energy", "split_sum", "bsdf")
 MATERIALS = ("conductor", "dielectric")
 PROVENANCE = ("command", "date", "version", "numpy")  # recorded besides the recipe
 Grid = tuple[float, ...]
@@ -61,6 +61,8 @@ class Recipe:
         """Names of the results, and whether they depend on the direction."""
         if self.kind == "energy":
             return {"missing": True, "missing_average": False}
+        if self.kind == "split_sum":
+            return {"scale": True, "bias": True}
         if self.kind == "bsdf":
             return {"f": True}
         if self.material == "conductor":
@@ -125,21 +127,21 @@ class Recipe:
 def names_of(kind: str, family: str, material: str) -> tuple[set[str], set[str]]:
     """The arrays and the attributes of a table of this kind."""
     what = Recipe(
-        _one_of("kind", kind, KINDS), family, _one_of("material", material, MATERIALS),
-        alpha=(), shape_name=_shape_name(family), shape=(), eta=(), k=0.0, cos_theta=(), azimuth=(),
+        one_of("bake", "kind", kind, KINDS), family, one_of("bake", "material", material, MATERIALS),
+        alpha=(), shape_name=shape_name(family), shape=(), eta=(), k=0.0, cos_theta=(), azimuth=(),
         scattering="single" if kind == "bsdf" else "", walks=1, seed=0,
     )  # fmt: skip
     return {*what.variables, *what.outer, *what.inner}, {*what.attributes, *PROVENANCE}
 
 
-def grid(name: str, values: ArrayLike) -> Grid:
+def grid(name: str, values: ArrayLike, owner: str = "bake") -> Grid:
     """Increasing, finite numbers; or one sentence that says what is wrong."""
     try:
         array = np.atleast_1d(np.asarray(values, dtype=np.float64))
     except (TypeError, ValueError):
-        raise ValueError(f"bake: {name} must be numbers, got {values!r:.80}") from None
+        raise ValueError(f"{owner}: {name} must be numbers, got {values!r:.80}") from None
     if array.ndim != 1 or not array.size or np.isnan(array).any() or not np.all(np.diff(array) > 0):
-        raise ValueError(f"bake: {name} must be increasing numbers, at least one, got {values!r:.80}")
+        raise ValueError(f"{owner}: {name} must be increasing numbers, at least one, got {values!r:.80}")
     return tuple(array.tolist())
 
 
@@ -159,16 +161,20 @@ def recipe(
     seed: int,
 ) -> Recipe:
     """The recipe of these arguments, or one sentence that says which of them is wrong."""
-    shape_name = _shape_name(family)
-    _one_of("kind", kind, KINDS)
-    _one_of("material", material, MATERIALS)
-    _one_of("scattering", scattering, ("single", "multiple"))
+    own = shape_name(family)
+    one_of("bake", "kind", kind, KINDS)
+    one_of("bake", "material", material, MATERIALS)
+    one_of("bake", "scattering", scattering, ("single", "multiple"))
     for name, value, lowest in (("walks", walks, 1), ("seed", seed, 0)):
         if not isinstance(value, int | np.integer) or isinstance(value, bool) or not lowest <= value < 2**32:
             raise ValueError(f"bake: {name} must be a whole number in [{lowest}, 2**32), got {value!r}")
-    if bool(shape_name) != (shape is not None):
-        text = f"needs {shape_name}, its shape" if shape_name else "has no shape parameter"
+    if bool(own) != (shape is not None):
+        text = f"needs {own}, its shape" if own else "has no shape parameter"
         raise ValueError(f"bake: {family} {text}")
+    if kind == "split_sum" and (material != "conductor" or eta is not None or k != 0):
+        raise ValueError(
+            "bake: split_sum takes no material, eta or k: it is for the reflectance of any metal"
+        )
     if material == "dielectric" and eta is None:
         raise ValueError("bake: a dielectric needs eta")
     if isinstance(cos_theta, int | np.integer):
@@ -178,8 +184,8 @@ def recipe(
     result = Recipe(
         kind, family, material,
         alpha=grid("alpha", alpha),
-        shape_name=shape_name,
-        shape=() if shape is None else grid(shape_name, shape),
+        shape_name=own,
+        shape=() if shape is None else grid(own, shape),
         eta=grid("eta", np.inf if eta is None else eta),
         k=float(k),
         cos_theta=grid("cos_theta", cos_theta),
@@ -198,15 +204,16 @@ def recipe(
     return result
 
 
-def _shape_name(family: str) -> str:
+def shape_name(family: str, owner: str = "bake") -> str:
     """Of the family's shape parameter, or empty."""
     known = {entry.name: entry for entry in mf.families()}
-    parameters = known[_one_of("family", family, known)].parameters
+    parameters = known[one_of(owner, "family", family, known)].parameters
     return next((parameter.name for parameter in parameters if parameter.name != "alpha"), "")
 
 
-def _one_of(name: str, value: str, allowed: Iterable[str]) -> str:
+def one_of(owner: str, name: str, value: str, allowed: Iterable[str]) -> str:
+    """The value; ValueError where it is none of those."""
     names = list(allowed)
     if value not in names:
-        raise ValueError(f"bake: {name} must be one of {', '.join(names)}, got {value!r}")
+        raise ValueError(f"{owner}: {name} must be one of {', '.join(names)}, got {value!r}")
     return value

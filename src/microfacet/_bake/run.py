@@ -52,8 +52,9 @@ def bake(
 
     Parameters
     ----------
-    kind : {"albedo", "energy", "bsdf"}
-        Albedos of one order and of all; what one order misses of them, and its average; or f.
+    kind : {"albedo", "energy", "split_sum", "bsdf"}
+        Albedos of one order and of all; what one order misses of them, and its average; scale and bias of the
+        albedo F0 scale + bias of one order with Schlick's reflectance; or f.
     family : str
         Such as "student_t".
     alpha, shape : array_like

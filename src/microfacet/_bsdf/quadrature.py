@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 _AGREED = 1e-7  # the difference of two levels; the error of the finer one is far below it
 _LEVELS = 6
 _DIRECTIONS = 32  # at a time on the coarsest level, with
-_NODES = 1 << 16  # nodes at most: some tens of megabytes
+_NODES = 1 << 12  # nodes at most: their arrays stay in the cache, and malloc asks the system for none
 
 
 class Escaped(NamedTuple):
@@ -66,9 +66,9 @@ def _level(material: MaterialKernels, wi: Array, level: int, channels: int) -> A
         size = max(1, _NODES // (len(nodes) * channels))
         parts = [pieces.cut(first, first + size) for first in range(0, len(pieces.weight), size)]
         integrate = partial(_integrate, material, wi, passes=passes, nodes=nodes, weights=weights)
-        for part, sums in zip(parts, in_threads(integrate, parts), strict=True):
-            for channel in range(channels):
-                result[:, int(passes), channel] += np.bincount(part.direction, sums[:, channel], len(wi))
+        sums = np.concatenate([np.zeros((0, channels)), *in_threads(integrate, parts)])
+        for channel in range(channels):  # in one sum, which is the same however the parts were cut
+            result[:, int(passes), channel] = np.bincount(pieces.direction, sums[:, channel], len(wi))
     return result
 
 

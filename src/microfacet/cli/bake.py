@@ -9,39 +9,18 @@ from typing import Any
 
 import click
 
+from microfacet.cli import textures
+from microfacet.cli.grids import GRID
 from microfacet.cli.printing import announce, progress_line, where
 from microfacet.cli.program import json_option
 
 __all__ = ["bake"]
 
 
-class _Grid(click.ParamType[Any]):
-    """Numbers: 0.1,0.2,0.5, or START:STOP:COUNT for even steps."""
-
-    name = "grid"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """As a list."""
-        import numpy as np
-
-        try:
-            if ":" in value:
-                start, stop, count = value.split(":")
-                if not 1 <= int(count) <= 10**6:
-                    raise ValueError
-                return np.linspace(float(start), float(stop), int(count))
-            return [float(part) for part in value.split(",")]
-        except ValueError:
-            self.fail(f"a grid is 0.1,0.2,0.5 or START:STOP:COUNT, got {value!r}", param, ctx)
-
-
-GRID = _Grid()
-
-
 @click.command()
-@click.argument("kind", type=click.Choice(["albedo", "energy", "bsdf"]))
+@click.argument("kind", type=click.Choice(["albedo", "energy", "split-sum", "bsdf"]))
 @click.argument("family")
-@click.option("--alpha", type=GRID, metavar="GRID", required=True, help="Roughness.")
+@click.option("--alpha", type=GRID, metavar="GRID", help="Roughness, of a dataset.")
 @click.option("--gamma", type=GRID, metavar="GRID", help="Tail of gtr and student_t.")
 @click.option("--a", type=GRID, metavar="GRID", help="Shape of bessel_k.")
 @click.option(
@@ -54,32 +33,45 @@ GRID = _Grid()
 @click.option("--scattering", type=click.Choice(["single", "multiple"]), default="multiple", help="Of bsdf.")
 @click.option("--walks", type=click.IntRange(min=1), default=10_000, show_default=True, help="Per direction.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the walks.")
-@click.option("-o", "--output", required=True, type=click.Path(), help="FILE.nc (NetCDF) or FILE.zarr.")
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    type=click.Path(),
+    help="FILE.nc (NetCDF) or FILE.zarr; or a texture, FILE.exr or FILE.raw.",
+)
 @click.option("--threads", type=click.IntRange(min=1), metavar="N", help="All processors otherwise.")
 @click.option("--dask", metavar="ADDRESS", help="Compute on the dask cluster of this scheduler.")
 @click.option("--memory", type=float, default=2.0, show_default=True, metavar="GB", help="Refuse more.")
+@textures.texture_options
 @json_option
+@click.pass_context
 def bake(
+    ctx: click.Context,
+    /,
     kind: str,
     family: str,
     gamma: Any,
     a: Any,
-    cos_theta: Any,
-    azimuth: Any,
     output: str,
-    memory: float,
+    threads: int | None,
     as_json: bool,
     **options: Any,
 ) -> None:
-    """Tabulate albedos, the energy that one order misses, or f itself, over grids.
+    """Tabulate albedos, the energy that one order misses, split-sum scale and bias, or f itself.
 
-    A GRID is 0.1,0.2,0.5 or START:STOP:COUNT. A bake that was interrupted goes on when it is called again.
+    Datasets (.nc, .zarr) are over the GRIDs that are given; one that was interrupted goes on when it is
+    called again. Lookup textures (.exr, .raw with a JSON) of albedo, energy and split-sum are what renderers
+    load: cosine x roughness, in slices of the shape. A GRID is 0.1,0.2,0.5 or START:STOP:COUNT, with even
+    steps of the logarithm or the reciprocal as START:STOP:COUNT:log or :reciprocal.
 
     \b
     Examples:
       microfacet bake energy ggx --alpha 0.05:1:20 -o ggx.nc
       microfacet bake albedo student_t --alpha 0.1:1:10 --gamma 2,3,5 -o student.zarr
       microfacet bake bsdf k0 --alpha 0.3 --material dielectric --eta 1.5 --walks 1000 -o glass.nc
+      microfacet bake energy student_t --gamma 1.6:20:16:reciprocal --half --snippet hlsl -o student_t.exr
+      microfacet bake split-sum k0 --size 128x128 -o k0.raw
     """
     import microfacet as mf
 
@@ -90,13 +82,42 @@ def bake(
         if value is not None and name not in names:
             raise click.UsageError(f"{family} has no parameter {name}")
     shape = gamma if gamma is not None else a
+    texture = textures.is_texture(output, options["format"])
+    textures.require_only(ctx, texture)
+    of_textures = textures.taken(options)
+    if texture:
+        textures.write_texture(kind, family, shape, output, threads, as_json, **of_textures)
+    else:
+        _write_dataset(kind, family, shape, output, threads, as_json, **options)
+
+
+def _write_dataset(
+    kind: str,
+    family: str,
+    shape: Any,
+    output: str,
+    threads: int | None,
+    as_json: bool,
+    *,
+    alpha: Any,
+    cos_theta: Any,
+    azimuth: Any,
+    memory: float,
+    **options: Any,
+) -> None:
+    import microfacet as mf
+
+    if alpha is None:
+        raise click.UsageError("Missing option '--alpha'.")
     grids = {"cos_theta": cos_theta, "azimuth": azimuth}
     with progress_line() as progress:
         table = mf.bake(
-            kind,
+            kind.replace("-", "_"),
             family,
             shape=shape,
+            alpha=alpha,
             output=output,
+            threads=threads,
             memory=memory * 1e9,
             progress=progress,
             command=shlex.join(["microfacet", *sys.argv[1:]]),
