@@ -33,7 +33,7 @@ def _file(name: str, destination: str, help: str) -> Callable[[Any], Any]:
     return click.option(name, destination, type=kind, metavar="PATH", help=help)
 
 
-NAMES = "Only these names, as 'ggx.*', '*(varying)', 'mitsuba.*' or 'scaling.*'."
+NAMES = "Only these names, as 'ggx.*', '*(varying)', 'mitsuba.*', 'arrays.*' or 'scaling.*'."
 
 
 @main.command()

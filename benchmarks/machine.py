@@ -11,7 +11,7 @@ from pathlib import Path
 import microfacet as mf
 from microfacet import _core
 
-PACKAGES = ("numpy", "scipy", "mitsuba", "drjit", "dask")
+PACKAGES = ("numpy", "scipy", "mitsuba", "drjit", "dask", "jax")
 
 
 def cores() -> int:

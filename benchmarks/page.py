@@ -57,6 +57,13 @@ Student-T and K0 1, Bessel K and GTR 0.5 (`sample_visible`).
 """
 
 
+ARRAYS = """\
+`array_functions` gives the same functions to other libraries, which carry out one operation of theirs
+after the other: compiled by JAX (`jit`, XLA on one thread, on arrays of its own, without the time that
+compiling takes), and on NumPy, in blocks.
+"""
+
+
 def number(value: float) -> str:
     """Two or three digits, without an exponent in the usual range."""
     if value >= 99.95:
@@ -180,6 +187,24 @@ def renderer(results: Results) -> Iterator[str]:
     yield from table(header, rows)
 
 
+def arrays(results: Results) -> Iterator[str]:
+    """JAX and NumPy through `array_functions`."""
+    if not results.arrays:
+        return
+    yield "## On other libraries' arrays\n"
+    yield ARRAYS
+    names = list(dict.fromkeys(m.kernel for m in results.arrays))
+    for dtype in DTYPES:
+        rows = []
+        for name in names:
+            for m in (m for m in results.arrays if (m.kernel, m.dtype) == (name, dtype)):
+                speeds = (number(m.speeds[who] / 1e6) for who in ("ours", "JAX", "NumPy"))
+                rows.append((f"`{name}`", *speeds, spread(m.ratios["JAX"]), spread(m.ratios["NumPy"])))
+        length = elements(results.arrays[0].length)
+        header = (f"{dtype}, {length}", "ufunc, M/s", "JAX, M/s", "NumPy, M/s", "ufunc/JAX", "ufunc/NumPy")
+        yield from table(header, rows)
+
+
 def expressions(results: Results) -> Iterator[str]:
     """NumPy and SciPy, both precisions in a row."""
     rows = []
@@ -241,7 +266,7 @@ def _yardsticks(results: Results, dtype: str, length: int) -> str:
 
 def document(results: Results, sections: Iterable[Any] = ()) -> str:
     """The page; `sections` are further functions of the results, such as those of `scaling_page`."""
-    parts = [machine, _chart, _reading, targets, renderer, expressions, kernels, *sections]
+    parts = [machine, _chart, _reading, targets, renderer, expressions, arrays, kernels, *sections]
     lines = [INTRODUCTION, *(line for part in parts for line in part(results))]
     return "\n".join(lines).rstrip("\n") + "\n"
 

@@ -20,6 +20,7 @@ class Results:
     measurements: list[Measurement] = field(default_factory=list)
     mitsuba: list[Measurement] = field(default_factory=list)
     deviations: dict[str, float | None] = field(default_factory=dict)  # of Mitsuba's values from ours
+    arrays: list[Measurement] = field(default_factory=list)  # through array_functions
     scaling: dict[str, Any] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)  # what was left out, and why
 
@@ -40,8 +41,8 @@ class Results:
     def read(cls, path: Path) -> Results:
         """What `write` wrote."""
         record = json.loads(path.read_text(encoding="utf-8"))
-        for key in ("measurements", "mitsuba"):
-            record[key] = [Measurement.from_dict(m) for m in record[key]]
+        for key in ("measurements", "mitsuba", "arrays"):
+            record[key] = [Measurement.from_dict(m) for m in record.get(key, [])]
         return cls(**record)
 
 

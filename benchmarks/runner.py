@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from . import machine, page, renderer, scaling, suite
+from . import arrays, machine, page, renderer, scaling, suite
 from .kernels import KERNELS
 from .results import Results
 from .timing import Spread
@@ -43,6 +43,7 @@ def measure(results: Results, only: str, settings: Settings) -> None:
             results.measurements.append(m)
     million = max((n for n in lengths if n <= suite.MILLION), default=suite.MILLION)
     _measure_renderer(results, only, settings.seconds, million)
+    _measure_arrays(results, only, settings.seconds, million)
     _measure_scaling(results, only, settings.seconds, settings.longest)
 
 
@@ -61,6 +62,18 @@ def _measure_renderer(results: Results, only: str, seconds: float, length: int) 
             results.mitsuba.append(m)
             results.deviations[m.kernel] = off
         results.machine["versions"]["LLVM"] = renderer.llvm()
+
+
+def _measure_arrays(results: Results, only: str, seconds: float, length: int) -> None:
+    wanted = tuple(kernel for kernel in arrays.MEASURED if fnmatchcase(f"arrays.{kernel.name}", only))
+    if not wanted:
+        return
+    if note := arrays.usable():
+        results.notes.append(note)
+        CONSOLE.print(note, style="yellow")
+        return
+    records = arrays.run(wanted, length, seconds)
+    results.arrays += consume(records, len(wanted) * len(suite.DTYPES), lambda m: f"on arrays {m.kernel}")
 
 
 def _measure_scaling(results: Results, only: str, seconds: float, longest: int) -> None:
@@ -103,7 +116,7 @@ def show(results: Results) -> None:
     """The ratios, one row for each measurement."""
     heads = ("kernel", "precision", "length", "threads", "M/s", "/ copy", "/ own exp", "/ others")
     rows = Table(*heads, box=None)
-    for m in [*results.measurements, *results.mitsuba]:
+    for m in [*results.measurements, *results.mitsuba, *results.arrays]:
         others = (f"{name} {_brief(r)}" for name, r in m.ratios.items() if name not in page.YARDSTICKS)
         rows.add_row(
             m.kernel,

@@ -17,7 +17,7 @@ import microfacet as mf
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from benchmarks import gate, renderer, scaling, suite, targets  # noqa: E402
+from benchmarks import arrays, gate, page, renderer, scaling, suite, targets  # noqa: E402
 from benchmarks import mitsuba as pictures  # noqa: E402
 from benchmarks.__main__ import main  # noqa: E402
 from benchmarks.expressions import EXPRESSIONS  # noqa: E402
@@ -62,6 +62,23 @@ def test_kernels_run_alike_in_parts_and_threads(kernel: Kernel, dtype: str) -> N
     with ThreadPoolExecutor(3) as pool:
         together(pool, [bind(kernel, inputs, part) for part in parts(101, 3)])()
     np.testing.assert_array_equal(sink.T if normals else sink, whole)
+
+
+@pytest.mark.parametrize("kernel", arrays.MEASURED, ids=lambda kernel: kernel.name)
+def test_functions_on_arrays_are_the_kernels(kernel: Kernel) -> None:
+    inputs = Inputs(101, "float64")
+    found = arrays.on_numpy(kernel, arrays.arguments(kernel, inputs))()
+    np.testing.assert_allclose(found, bind(kernel, inputs)(), rtol=1e-11)
+
+
+def test_functions_on_arrays_are_measured() -> None:
+    pytest.importorskip("jax", reason="JAX is not installed")
+    (kernel,) = (kernel for kernel in arrays.MEASURED if kernel.name == "ggx.D(u)")
+    measurements = list(arrays.run((kernel,), 101, 0.0))
+    assert [m.dtype for m in measurements] == list(suite.DTYPES)
+    assert all(set(m.speeds) == {"ours", "JAX", "NumPy"} for m in measurements)
+    results = Results({}, "", arrays=measurements)
+    assert "| `ggx.D(u)` |" in "\n".join(page.arrays(results))
 
 
 @pytest.mark.parametrize("dtype", suite.DTYPES)
