@@ -61,7 +61,8 @@ def test_extras_bring_what_the_sentences_promise() -> None:
     for extra, libraries in EXTRAS.items():
         missing = {*libraries} - {"drjit"} - requirements(extra)  # Mitsuba brings Dr.Jit
         assert not missing, f"{extra} does not bring {missing}"
-    assert set(LIBRARIES) - {"drjit"} <= requirements("all")
+    # PyTorch's wheels bring gigabytes of CUDA libraries: who wants them asks for them.
+    assert set(LIBRARIES) - {"drjit", "torch"} <= requirements("all")
 
 
 def test_make_installs_what_the_report_and_the_tests_need() -> None:
@@ -162,6 +163,9 @@ calls = {
     "map": lambda: mf.roughness(mf.read_surface(folder / "map.npz").level().filtered(short=4e-6)),
     "scales": lambda: mf.fit_scales(mf.read_surface(folder / "map.npz"), [2], "beckmann"),
     "synthesize": lambda: mf.synthesize(ndf, (32, 32)),
+    "arrays": lambda: mf.array_functions(ndf).D(w),
+    "arrays of jax": lambda: mf.array_functions(ndf, "jax").D(w),
+    "arrays of torch": lambda: mf.array_functions(ndf, "torch").D(w),
     "testing": lambda: mf.testing.sidak(0.01, 2),
     "families": mf.families,
     "include": mf.get_include,
@@ -192,6 +196,8 @@ LACKS = {
     "checks": "mpmath",
     "plugins": "mitsuba",
     "report": "matplotlib",
+    "arrays of jax": "jax",
+    "arrays of torch": "torch",
 }
 
 
@@ -217,6 +223,7 @@ COMMANDS = {
     "bake energy ggx --alpha 0.5 -o a.nc": [["xarray"], ["h5netcdf"]],
     "bake energy ggx --alpha 0.5 -o a.zarr": [["xarray"], ["zarr"]],
     "bake energy ggx --alpha 0.5 --cos 0.5 --walks 10 --dask tcp://127.0.0.1:9 -o a.nc": [["distributed"]],
+    "bake energy ggx -o a.exr": [["OpenImageIO"]],
     "sample ggx --alpha 0.3 -o a.parquet": [["pyarrow"]],
 }
 

@@ -77,6 +77,10 @@ EXAMPLES: dict[str, Callable[[], list[Any]]] = {
     "Diffuse": lambda: [mf.Diffuse(mf.K0(alpha=0.3), [0.2, 0.3]), mf.Diffuse(mf.K0(alpha=0.3), 0.2)],
     "KullaConty": lambda: [mf.KullaConty(round_metal()), mf.KullaConty(mf.Conductor(mf.GGX(alpha=0.6)))],
     "Turquin": lambda: [mf.Turquin(round_metal()), mf.Turquin(mf.Conductor(mf.GGX(alpha=0.6)))],
+    "LookupTexture": lambda: [
+        mf.lookup_texture("energy", "ggx", size=(2, 2), check=0, dtype=dtype)
+        for dtype in ("float32", "float16")
+    ],
     "Family": lambda: list(mf.families()),
     "Parameter": lambda: [mf.Parameter("a", 0.0, math.inf), mf.Parameter("a", 1.0, math.inf)],
     "Surface": lambda: [surface(), surface().at_lag(2), surface().mask_outliers(3.0)],

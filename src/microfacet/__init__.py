@@ -31,7 +31,7 @@ from microfacet._radial import RadialNDF
 
 if TYPE_CHECKING:
     from microfacet import testing
-    from microfacet._bake import bake
+    from microfacet._bake import LookupTexture, bake, lookup_texture
     from microfacet._bsdf import (
         Conductor,
         Dielectric,
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
         fresnel_conductor,
         fresnel_dielectric,
     )
+    from microfacet._export import export
+    from microfacet._export.arrays import array_functions
     from microfacet._fit import FitResult, Goodness, ScaleFit, TableFit, fit, fit_scales, fit_table
     from microfacet._surface import (
         Roughness,
@@ -69,6 +71,7 @@ __all__ = [
     "FitResult",
     "Goodness",
     "KullaConty",
+    "LookupTexture",
     "Parameter",
     "RadialNDF",
     "Roughness",
@@ -80,9 +83,11 @@ __all__ = [
     "TableFit",
     "Turquin",
     "__version__",
+    "array_functions",
     "bake",
     "beckmann",
     "bessel_k",
+    "export",
     "families",
     "fit",
     "fit_scales",
@@ -95,6 +100,7 @@ __all__ = [
     "ggx",
     "gtr",
     "k0",
+    "lookup_texture",
     "read_normal_map",
     "read_slopes",
     "read_surface",
@@ -117,7 +123,11 @@ _LAZY = {
     "fresnel_average": "microfacet._bsdf",
     "fresnel_conductor": "microfacet._bsdf",
     "fresnel_dielectric": "microfacet._bsdf",
+    "LookupTexture": "microfacet._bake",
+    "array_functions": "microfacet._export.arrays",
     "bake": "microfacet._bake",
+    "export": "microfacet._export",
+    "lookup_texture": "microfacet._bake",
     "FitResult": "microfacet._fit",
     "Goodness": "microfacet._fit",
     "ScaleFit": "microfacet._fit",

@@ -24,6 +24,8 @@ EXTRAS = {
     "dask": ("dask", "distributed"),
     "bake": ("xarray", "zarr", "h5netcdf"),
     "mitsuba": ("mitsuba", "drjit", "nanobind", "platformdirs"),
+    "jax": ("jax",),
+    "torch": ("torch",),
 }
 # The smallest extra that has a library stands first.
 _EXTRA_OF = {library: extra for extra, libraries in reversed(EXTRAS.items()) for library in libraries}

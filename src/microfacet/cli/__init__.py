@@ -14,6 +14,7 @@ with needed("the command microfacet needs"):
 from microfacet.cli import (
     bake,
     evaluate,
+    export,
     families,
     fit,
     gallery,
@@ -51,6 +52,7 @@ def main(ctx: click.Context) -> None:
 for command in (
     bake.bake,
     evaluate.evaluate,
+    export.export,
     families.families,
     fit.fit,
     gallery.gallery,
