@@ -50,6 +50,8 @@ test-cpp: $(VENV)/.build  ## the C++ tests alone (CXX chooses the compiler, here
 	cmake --build "$(CXX_BUILD)"
 	ctest --test-dir "$(CXX_BUILD)" --output-on-failure
 
+export-tools: $(VENV)/.export  ## what compiles and runs exported text, as far as Python's registry has it (0.5 GB)
+
 headers: $(VENV)/.build  ## each header compiles alone, with warnings as errors
 	$(CXX_TESTS) -B "$(CXX_BUILD)"
 	cmake --build "$(CXX_BUILD)" --target headers_alone
@@ -109,6 +111,9 @@ bench-mitsuba: $(INSTALLED) $(VENV)/.bench  ## pictures by the Mitsuba plugins b
 docs-mitsuba: $(INSTALLED) $(VENV)/.test  ## test the samplers of the Mitsuba plugins and write docs/mitsuba_tests.md (half an hour)
 	$(BIN)/python tools/measure_mitsuba.py $(ARGS)
 
+docs-export: $(INSTALLED) $(VENV)/.test  ## run exported functions everywhere and write the tables of docs/export.md (minutes)
+	$(BIN)/python tools/measure_export.py $(ARGS)
+
 docs-traced: $(INSTALLED) $(VENV)/.bench  ## trace explicit surfaces, compare with the walk, write docs/traced_surface.md
 	$(BIN)/python tools/trace_surface.py $(ARGS)
 
@@ -161,6 +166,11 @@ $(VENV)/.test: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group test -r $(call requirements,project optional-dependencies surface)
 	@touch $@
 
+$(VENV)/.export: pyproject.toml | $(VENV)/.venv
+	$(PIP) install --group export
+	$(PIP) install --no-deps slangtorch
+	@touch $@
+
 $(VENV)/.bench: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group bench
 	@touch $@
@@ -169,5 +179,5 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	$(PIP) install --group lint
 	@touch $@
 
-.PHONY: report install wheel test test-cpp sanitize fuzz headers lint format bench bench-check docs-accuracy docs-formulas docs-sampling \
-  docs-furnace docs-traced bench-materials fit-coverage bench-fit clean help
+.PHONY: report install wheel test test-cpp export-tools sanitize fuzz headers lint format bench bench-check docs-accuracy docs-formulas docs-sampling \
+  docs-furnace docs-export docs-traced bench-materials fit-coverage bench-fit clean help

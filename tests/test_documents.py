@@ -17,6 +17,7 @@ import pytest
 
 import microfacet as mf
 import mitsuba_process
+import torch_process
 
 ROOT = pathlib.Path(__file__).parent.parent
 COMPILER = os.environ.get("CXX") or shutil.which("g++") or shutil.which("clang++")
@@ -62,7 +63,7 @@ def test_accuracy_is_documented_for_every_function() -> None:
         assert re.search(rf"\b{name}\b", text), name
 
 
-GUIDES = ("sampling", "materials", "compensation", "surfaces", "fitting")
+GUIDES = ("sampling", "materials", "compensation", "textures", "surfaces", "fitting", "arrays", "export")
 DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in GUIDES))
 
 
@@ -78,9 +79,12 @@ def test_the_code_of_a_document_runs(
     # A variant of Mitsuba belongs to a whole process.
     if rendering := [block for block in blocks if "mitsuba" in block]:
         mitsuba_process.run("\n".join(rendering), "llvm_ad_rgb")
+    # PyTorch may be that of another Python.
+    if tensors := [block for block in blocks if "torch" in block]:
+        torch_process.run("\n".join(tensors))
     names: dict[str, Any] = {}
     for block in blocks:
-        if block in rendering:
+        if block in rendering or block in tensors:
             continue
         if ">>>" in block:
             test = doctest.DocTestParser().get_doctest(block, names, document, document, 0)
