@@ -41,6 +41,8 @@ bool record_of_material(const recorder<Real>& r, const Distribution& ndf, const 
   const auto channel = [&](const std::string& name, int c) {
     return asked.channels == 1 ? name : name + "." + "xyz"[c];
   };
+  // All events take the same parameters, whether they look at them or not.
+  for (int c = 1; c < asked.channels; ++c) (void)material(c);
   if (event == "pdf") return r.give("value", pairs(material(0), wi, r.direction("wo")).pdf(ndf)), true;
   if (event == "eval") {
     const vec3<T> wo = r.direction("wo");
