@@ -12,6 +12,7 @@ import os
 import shutil
 import stat
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 
 from limits import HANG
 
-__all__ = ["compiled_c", "loaded", "missing", "nvcc", "program", "run", "slangc"]
+__all__ = ["compiled_c", "compiled_osl", "loaded", "missing", "nvcc", "program", "run", "slangc"]
 
 FLAGS = ["-Wall", "-Wextra", "-Werror"]
 
@@ -82,6 +83,22 @@ def loaded(source: Path, library: Path, compiler: str, *flags: str) -> ctypes.CD
     run(compiler, *FLAGS, *flags, "-c", "-fPIC", source, "-o", compiled)
     run(compiler, "-shared", compiled, "-o", library, "-lm")
     return ctypes.CDLL(str(library))
+
+
+def compiled_osl(source: Path, to: Path) -> None:
+    """Open Shading Language by oslc, or by Blender's Python package, which brings the compiler.
+
+    Neither is in a registry in less than half a gigabyte, so a complete machine need not have it.
+    """
+    program = shutil.which("oslc")
+    if program:
+        run(program, "-o", to, source)
+    elif importlib.util.find_spec("bpy"):
+        # In a process of its own: what comes with Blender does not go well with what else a test loads.
+        code = "import sys, bpy, _cycles; sys.exit(not _cycles.osl_compile(*sys.argv[1:]))"
+        run(sys.executable, "-c", code, source, to)
+    else:
+        pytest.skip("a compiler of OSL (oslc, or the package bpy) is missing")
 
 
 def compiled_c(folder: Path, source: str, compiler: str, *flags: str, ending: str = ".c") -> ctypes.CDLL:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import re
-import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -157,32 +156,13 @@ def test_materialx_generates_osl(tmp_path: Path) -> None:
 # OSL
 
 
-def osl_compiler() -> Any:
-    """A function that compiles a file of OSL: of oslc, or of Blender's Python package."""
-    import shutil
-
-    program = shutil.which("oslc")
-    if program:
-        return lambda path, to: tools.run(program, "-o", to, path)
-    if importlib.util.find_spec("bpy") is None:
-        tools.missing("a compiler of OSL (oslc, or the package bpy)")
-    # In a process of its own: what comes with Blender does not go well with what else a test loads.
-    code = "import sys, bpy, _cycles; sys.exit(not _cycles.osl_compile(*sys.argv[1:]))"
-
-    def compile_(path: Path, to: Path) -> None:
-        tools.run(sys.executable, "-c", code, path, to)
-
-    return compile_
-
-
 def test_osl_compiles(tmp_path: Path) -> None:
-    compile_ = osl_compiler()
     names = [name for name in SHADERS if name != "integers"]
     text, functions = programs.text_and_functions("osl", graphs(*names))
     for name, function in functions.items():
         path = tmp_path / f"{name}.osl"
         path.write_text(text + programs.osl_shader(name, function), "utf-8")
-        compile_(path, tmp_path / f"{name}.oso")
+        tools.compiled_osl(path, tmp_path / f"{name}.oso")
 
 
 # Families

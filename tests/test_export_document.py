@@ -81,9 +81,7 @@ def test_the_use_in_wgsl_runs(made: Path) -> None:
 
 @pytest.mark.parametrize("made", ["osl"], indirect=True)
 def test_the_use_in_osl_compiles(made: Path) -> None:
-    from test_export_compilers import osl_compiler
-
-    osl_compiler()(use_of("osl", made, "osl"), made.parent / "use.oso")
+    tools.compiled_osl(use_of("osl", made, "osl"), made.parent / "use.oso")
 
 
 @pytest.mark.parametrize("made", ["materialx"], indirect=True)

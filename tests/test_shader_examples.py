@@ -214,9 +214,7 @@ def test_slang_compiles(target: str, made: str, request: pytest.FixtureRequest, 
 
 @each_metal
 def test_osl_compiles(family: str, shaders: Path, tmp_path: Path) -> None:
-    from test_export_compilers import osl_compiler
-
-    osl_compiler()(shaders / family / "metal.osl", tmp_path / "metal.oso")
+    tools.compiled_osl(shaders / family / "metal.osl", tmp_path / "metal.oso")
     assert "surface metal" in (tmp_path / "metal.oso").read_text()
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import os
-import shutil
-import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -92,11 +90,7 @@ def compile_metal(snippets: str, text: str, folder: Path) -> None:
 def compile_osl(snippets: str, text: str, folder: Path) -> None:
     path, to = folder / "t.osl", folder / "t.oso"
     path.write_text(snippets + text)
-    if importlib.util.find_spec("bpy"):  # Blender as a module, which brings the compiler
-        code = "import sys, bpy, _cycles; sys.exit(not _cycles.osl_compile(*sys.argv[1:]))"
-        tools.run(sys.executable, "-c", code, path, to)
-    else:
-        tools.run(shutil.which("oslc") or tools.missing("a compiler of OSL"), "-o", to, path)
+    tools.compiled_osl(path, to)
 
 
 def run_as_cpp(
