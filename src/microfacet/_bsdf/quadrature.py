@@ -6,6 +6,7 @@ An integral over directions would have to find the lobe, while the distribution 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -24,7 +25,8 @@ Array = NDArray[np.float64]
 _AGREED = 1e-7  # the difference of two levels; the error of the finer one is far below it
 _LEVELS = 6
 _DIRECTIONS = 32  # at a time on the coarsest level, with
-_NODES = 1 << 12  # nodes at most: their arrays stay in the cache, and malloc asks the system for none
+_NODES = 1 << 16  # nodes at most a thread, of which
+_TOGETHER = 1 << 12  # are evaluated at a time: their arrays stay in the cache
 
 
 class Escaped(NamedTuple):
@@ -63,13 +65,22 @@ def _level(material: MaterialKernels, wi: Array, level: int, channels: int) -> A
     result = np.zeros((len(wi), 2, channels))
     for passes in (False, True) if material._transmits else (False,):
         pieces = panels(material.ndf, above, critical, passes, level)
-        size = max(1, _NODES // (len(nodes) * channels))
-        parts = [pieces.cut(first, first + size) for first in range(0, len(pieces.weight), size)]
+        each = len(nodes) * channels
         integrate = partial(_integrate, material, wi, passes=passes, nodes=nodes, weights=weights)
-        sums = np.concatenate([np.zeros((0, channels)), *in_threads(integrate, parts)])
+        parts = in_threads(partial(_in_parts, integrate, each), _cut(pieces, _NODES // each))
+        sums = np.concatenate([np.zeros((0, channels)), *(some for part in parts for some in part)])
         for channel in range(channels):  # in one sum, which is the same however the parts were cut
             result[:, int(passes), channel] = np.bincount(pieces.direction, sums[:, channel], len(wi))
     return result
+
+
+def _in_parts(integrate: Callable[[Panels], Array], each: int, pieces: Panels) -> list[Array]:
+    return [integrate(some) for some in _cut(pieces, _TOGETHER // each)]
+
+
+def _cut(pieces: Panels, size: int) -> list[Panels]:
+    size = max(1, size)
+    return [pieces.cut(first, first + size) for first in range(0, len(pieces.weight), size)]
 
 
 def _critical(material: MaterialKernels, wi: Array) -> Array:

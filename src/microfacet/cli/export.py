@@ -90,7 +90,6 @@ def export(
       microfacet export glsl student_t
       microfacet export c ggx --functions D,sigma --anisotropic -o ggx.h
       microfacet export wgsl student_t --functions conductor --gamma 2.5 --fresnel schlick -o metal.wgsl
-      microfacet export --list
     """
     given: dict[str, Any] = {**options, **fixed}
     text = mf.export(language, family, functions, free=free, path=output, channels=int(channels), **given)

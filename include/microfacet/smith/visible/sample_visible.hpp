@@ -60,10 +60,9 @@ T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2)
 }
 
 // A call, so that what surrounds it stays short.
-template <class Family, class T>
+template <class Family, class T, class Mask>
 [[gnu::noinline]] visible_slopes<T> solve_visible_slopes(const Family& family, const T& x, const T& xi0,
-                                                         const T& xi1, const T& xi2,
-                                                         const decltype(x <= x)& below) {
+                                                         const T& xi1, const T& xi2, const Mask& below) {
   const auto from = [&](const auto& tails) -> visible_slopes<T> {
     T least = smallest<T>();
     if constexpr (requires { tails.least_share(); }) least = tails.least_share();
