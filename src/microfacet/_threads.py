@@ -11,6 +11,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
+from queue import Empty, SimpleQueue
 from typing import TypeVar
 
 __all__ = ["WORTH_THREADS", "blocks", "in_threads", "threads"]
@@ -48,9 +49,31 @@ def in_threads(function: Callable[[Part], Result], parts: Sequence[Part]) -> lis
     count = min(threads(), len(parts)) if len(parts) > 1 else 1
     if count == 1:
         return [function(part) for part in parts]
+    results: dict[int, Result] = {}
+    left: SimpleQueue[int] = SimpleQueue()
+    for i in range(len(parts)):
+        left.put(i)
+    ended = threading.Event()
+
+    # One task a thread: an interrupt that comes while tasks are handed to the pool can leave its lock behind.
+    def work() -> None:
+        try:
+            while not ended.is_set():
+                try:
+                    i = left.get_nowait()
+                except Empty:
+                    return
+                results[i] = function(parts[i])
+        except BaseException:
+            ended.set()
+            raise
+
     pool = ThreadPoolExecutor(count)
     try:
-        futures = [pool.submit(copy_context().run, function, part) for part in parts]
-        return [future.result() for future in futures]
+        futures = [pool.submit(copy_context().run, work) for _ in range(count)]
+        for future in futures:
+            future.result()
+        return [results[i] for i in range(len(parts))]
     finally:
-        pool.shutdown(cancel_futures=True)
+        ended.set()
+        pool.shutdown()
