@@ -49,7 +49,7 @@ void each_family(const Visit& visit) {
 // Whether the slope across is a part of a length in three dimensions, or a quantile of its own.
 template <class Family>
 bool by_length(const Family& family) {
-  return mf::visible_tails<Family, double>(family).lifts();
+  return mf::visible_tails<Family, double>(family).lifts(0.0);
 }
 
 double spacing(double p) { return std::nextafter(std::abs(p), mf::inf) - std::abs(p); }
@@ -160,6 +160,10 @@ TEST(hostile_uniforms_and_directions) {
                 const check::note at("w = ", d.x, " ", d.y, " ", d.z, ", xi = ", a, " ", b, " ", c);
                 const direction m = mixture ? mf::sample_visible_mixture(distribution, d, a, b, c, b)
                                             : mf::sample_visible(distribution, d, a, b, c);
+                if (Family::singular && !(distribution.sigma(d) > 0)) {  // a ring from far below
+                  CHECK(std::isnan(m.z));
+                  continue;
+                }
                 CHECK(std::abs(std::sqrt(mf::dot(m, m)) - 1) <= 1e-15);
                 CHECK(m.z > 0);
                 CHECK(mf::dot(m, d) >= -1e-14);
@@ -218,7 +222,8 @@ TEST(tables_of_the_mixture_scheme) {
           const double rest = tabulated.across_of_tables(static_cast<float>(P), xi, 0.0f),
                        R = std::hypot(P, rest);
           CHECK_NEAR(M(P), (1 - static_cast<double>(xi)) * M(g), 4e-6 * std::max(1.0, P * P));
-          CHECK_NEAR(P2(R), (1 - static_cast<double>(xi)) * P2(P), 4e-6 * std::max(1.0, R * R));
+          if (P >= static_cast<double>(tables.visible.fall))  // below it shells say how long
+            CHECK_NEAR(P2(R), (1 - static_cast<double>(xi)) * P2(P), 4e-6 * std::max(1.0, R * R));
         }
       }
     }

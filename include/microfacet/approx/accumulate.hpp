@@ -24,8 +24,8 @@ struct term {
 
   double plus(int n) const { return index + n; }
   double inverse(int n) const { return reciprocals[static_cast<std::size_t>(index + n)]; }  // 1/(index + n)
-  template <std::size_t N>
-  double of(const std::array<double, N>& values) const {
+  template <class Number, std::size_t N>
+  Number of(const std::array<Number, N>& values) const {
     return values[static_cast<std::size_t>(index)];
   }
 };

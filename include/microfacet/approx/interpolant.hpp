@@ -109,11 +109,11 @@ class sampled_function {
 // Where f is to be met, in L = log x: from `lower` to `upper`, with a piece for of_root down to twice
 // `lower` if `roots`. Above, f goes on as a power of x; where it falls below `least`, it ends. Below `lower`
 // it is f(0). `inside` is an L at which f is neither huge nor tiny. Errors are near ones where abs(log f) <
-// `central`.
+// `central`. `any` is for functions that may bend sharply or are known to fewer digits: cells of a map may then be
+// narrower, and where the precision wanted is out of reach the table is as good as it gets.
 struct fit_range {
   double lower, upper, inside, at_zero, least, central;
-  bool roots = false;
-  double noise = 0, order = 1;  // f is known to (noise/f)^order, relatively
+  bool roots = false, any = false;
 };
 
 // The last L on the way from one to another up to which inside(L, f) holds, if it does at `from`: by
@@ -181,7 +181,7 @@ struct interpolant {
     for (std::size_t j = N; j < points; ++j) {
       double error = -t[j];
       for (std::size_t k = 0; k < N; ++k) error += p.chebyshev[k] * waves[2 * k * extrema[j - N] % (4 * N)];
-      const double excess = std::abs(error) / (bound + std::pow(range.noise / f[j], range.order));
+      const double excess = std::abs(error) / bound;
       if (!(excess <= worst)) worst = excess;  // a nan stays
     }
     p.wide =

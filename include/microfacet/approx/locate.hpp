@@ -87,15 +87,28 @@ struct by_search {
   static constexpr bool searches = true;
   static constexpr std::size_t most_pieces = Pieces;
 
+  static_assert(Pieces >= 128);
+  static constexpr std::size_t together = Pieces / 32;  // pieces of a group
+
   // The x from which on a piece holds, ascending; the first is not looked at, unused ones are the largest.
   alignas(64) std::array<T, Pieces> start{};
-  bool few = false;  // at most half of the pieces are in use
+  alignas(64) std::array<T, 32> group{};  // where each group starts: few enough for registers
+  bool few = false;                       // at most half of the pieces are in use
+
+  void place_groups() {
+    for (std::size_t k = 0; k < group.size(); ++k) group[k] = start[together * k];
+  }
 
   template <std::size_t N, class R>
   MICROFACET_INLINE elementary::integers<R> piece(const R& x) const {
     using integers = elementary::integers<R>;
-    integers i = after(x >= R(start[N / 2]), integers(0), integers(N / 2));
-    for (std::size_t step = N / 4; step > 0; step /= 2) {
+    integers k = after(x >= R(start[N / 2]), integers(0), integers(N / 2 / together));
+    for (std::size_t step = N / 4 / together; step > 0; step /= 2) {
+      const integers next = k + integers(step);
+      k = after(x >= lookup<32>(group, next), k, next);
+    }
+    integers i = k << std::countr_zero(together);
+    for (std::size_t step = together / 2; step > 0; step /= 2) {
       const integers next = i + integers(step);
       i = after(x >= lookup<N>(start, next), i, next);
     }

@@ -17,7 +17,7 @@ class pieces_by_halving : protected pieces<Table> {
   using base = pieces<Table>;
   using base::count_, base::high_, base::low_, base::range_, base::sample_, base::table_, base::pieces;
   using typename base::polynomial, typename base::T;
-  static constexpr double narrowest = 256 / fit_precision<T>::grid + 1e-7;
+  static constexpr double narrowest = 256 / fit_precision<T>::grid + 1e-5;
 
   bool place() {
     std::size_t n = 0;
@@ -25,13 +25,15 @@ class pieces_by_halving : protected pieces<Table> {
     while (n + 1 < Table::most_pieces) {
       part& worst = *std::max_element(worst_first_.begin(), worst_first_.begin() + n,
                                       [](const part& a, const part& b) { return a.excess < b.excess; });
-      if (worst.excess <= 1) break;
+      // What takes many pieces is known to fewer digits than the format has, or not smooth.
+      const double wanted = !range_.any || n < Table::most_pieces / 4 ? 1 : sizeof(T) == 4 ? 5 : 100;
+      if (worst.excess <= wanted) break;
       const part whole = worst;
       part left = fit(whole.from, whole.fit.centre), right = fit(whole.fit.centre, whole.to);
       // Where neither half of a piece that is short, or nearly met, is better than the whole there is noise: not
       // worth a third try.
       const double least = (std::min)(left.excess, right.excess);
-      const bool noisy = (least < 6 || left.fit.half < 0.01) && least > 0.6 * whole.excess;
+      const bool noisy = (least < 6 * wanted || left.fit.half < 0.01) && least > 0.6 * whole.excess;
       for (part* half : {&left, &right}) {
         half->stalls = noisy ? whole.stalls + 1 : 0;
         if (half->stalls > 2 || half->fit.half < narrowest) half->excess = 0;
@@ -47,6 +49,7 @@ class pieces_by_halving : protected pieces<Table> {
       this->add(worst_first_[i].fit);
     }
     table_.start[n] = static_cast<T>(std::exp(high_));
+    table_.place_groups();
     table_.lower = table_.start[0];
     table_.few = n < Table::most_pieces / 2;
     return true;

@@ -18,15 +18,19 @@ class pieces_on_cells : protected pieces<Table> {
   using base::count_, base::high_, base::low_, base::range_, base::sample_, base::table_, base::pieces;
   using typename base::polynomial, typename base::T;
   using bits_type = typename Table::bits_type;
-  static constexpr double tolerated = 6;  // excess, which may be rounding, of a piece of one cell
-  static constexpr int most_fits = 700;   // functions that can be met take half of that
+  static constexpr int most_fits = 700;  // functions that can be met take half of that
 
   // Whether the pieces there are reach the precision wanted.
   bool place() {
-    constexpr int octave = std::numeric_limits<T>::digits - 1;
-    for (const bool few : {true, false})
-      for (int shift = octave - 2; shift <= octave + 1; ++shift)
-        if (place(few, shift)) return true;
+    const int rounds = range_.any ? 3 : 1;
+    for (int round = 0; round < rounds; ++round, wanted_ *= 30) {
+      fits_ = 0;
+      for (const bool few : {true, false})
+        for (int shift = octave - 2; shift <= octave + 1; ++shift)
+          if (place(few, shift)) return true;
+      for (int shift = octave - 3; shift >= octave - 5; --shift)
+        if (place(false, shift)) return true;
+    }
     return false;
   }
 
@@ -45,6 +49,8 @@ class pieces_on_cells : protected pieces<Table> {
     const std::ptrdiff_t below = (std::min)(fine - 1, in_cells(end - least, shift));
     table_.base = end - (static_cast<bits_type>(below) << shift);
     table_.last = static_cast<T>(std::exp((std::min)(high_ + 0.1, sizeof(T) == 4 ? 88.0 : 709.0)));
+    // Narrow cells end before.
+    if (shift < octave - 2) table_.last = std::bit_cast<T>(end + (bits_type(1) << (shift - 1)));
 
     double from = low_;
     if (range_.roots) {
@@ -65,7 +71,7 @@ class pieces_on_cells : protected pieces<Table> {
   }
   std::size_t pieces_at_most() const { return table_.few ? Table::most_pieces / 2 : Table::most_pieces; }
   bool accept(const polynomial& p) {
-    if (!(p.excess <= tolerated) || count_ == pieces_at_most()) return false;
+    if (!(p.excess <= tolerated * wanted_) || count_ == pieces_at_most()) return false;
     this->add(p);
     return true;
   }
@@ -95,7 +101,7 @@ class pieces_on_cells : protected pieces<Table> {
           while (k > 1 && edge(cell + k) > from + factor * width) --k;
         return k;
       };
-      if (excess <= 1 || (n == 1 && excess <= tolerated)) {
+      if (excess <= wanted_ || (n == 1 && excess <= tolerated * wanted_)) {
         met = n, met_ = now;
         const bool easy = excess < 0.5;
         n = (std::max)(in_cells(std::clamp(growth, easy ? 1.5 : 1.0, 6.0)), easy ? n + 1 : n);
@@ -110,6 +116,9 @@ class pieces_on_cells : protected pieces<Table> {
     return guess_ = met;
   }
 
+  static constexpr int octave = std::numeric_limits<T>::digits - 1;
+  static constexpr double tolerated = 6;  // excess, which may be rounding, of a piece of one cell
+  double wanted_ = 1;                     // excess of others
   polynomial met_;
   std::ptrdiff_t guess_ = 1, fits_ = 0;
 };

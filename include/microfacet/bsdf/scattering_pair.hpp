@@ -78,7 +78,7 @@ class scattering_pair {
   T eval(const Distribution& ndf, bool correlated, bool radiance) const {
     const half m = half_vector();
     const facet_statistics<T> at = statistics_of(ndf, wi_, wo_, m.m);
-    return inside(share(leaving(at, correlated, radiance), phase(m, at)));
+    return inside(number(share(leaving(at, correlated, radiance), phase(m, at)), at.inverse_sigma));
   }
   // The density of all directions that the visible normals give, also of those that no light leaves in.
   template <class Distribution>
@@ -138,9 +138,18 @@ class scattering_pair {
       const T lenses = select_lazy(
           material_.refracts(wo_, l), [&] { return material_.refracted(wi_, wo_, l, ndf.D(l.m), inverse); },
           [&] { return material_.unrefracted(wi_, wo_); });
-      return {material_.reflected(m, D, inverse), lenses};
+      return {number(material_.reflected(m, D, inverse), inverse), number(lenses, inverse)};
     } else {
       return {pdf_of_mirrors(D, inverse), T(0)};
+    }
+  }
+  // Along the horizon, between indices that hardly differ, an infinite density may be multiplied by 0.
+  T number(const T& value, const T& inverse) const {
+    if constexpr (transmits) {
+      const T nothing = T(0) * (wi_.z + wo_.z + material_.eta()) + (inverse - inverse);
+      return select(value == value, value, nothing);
+    } else {
+      return value;
     }
   }
   // 0 where no light goes: from or to the horizon, and below an opaque surface.

@@ -20,8 +20,8 @@ struct term<record::number<Real>> {
 
   constant plus(int n) const { return index + constant(n); }
   constant inverse(int n) const { return constant(1) / plus(n); }
-  template <std::size_t N>
-  constant of(const std::array<double, N>& values) const {
+  template <class Number, std::size_t N>
+  constant of(const std::array<Number, N>& values) const {
     std::array<Real, std::bit_ceil(N)> rows{};
     for (std::size_t i = 0; i < N; ++i) rows[i] = static_cast<Real>(values[i]);
     // The last bits of a number of this size count ones.

@@ -25,15 +25,9 @@ struct radial_error {
   double error = 0, far_error = 0;
 };
 
-// Tables that are searched are for densities that are smooth only piecewise; they hold no more than the
-// functions of radial_family.
+// Tables that are searched are for densities that are smooth only piecewise.
 template <class T, class Location = by_map<T>>
 class radial_tables {
-  struct none {
-    template <class Family>
-    void build(const Family&) {}
-  };
-
  public:
   static constexpr bool single = sizeof(T) == 4, searches = Location::searches, always_composes = false;
   using table = piecewise<T, single || searches ? 8 : 18, Location>;
@@ -44,11 +38,11 @@ class radial_tables {
   table root_P2;      // the square root of P2 at t > 0
   table slope_sf;     // at t > 0
   table mean_excess;  // at t^2
-  std::conditional_t<searches, none, visible_tables<T>> visible;
+  visible_tables<T, Location> visible;
 
-  // From a family in double precision, scalar or pack.
+  // From a family in double precision, scalar or pack. `any`: it may be any density, which is not known below 1e-284.
   template <class Family>
-  void build(const Family& family, unsigned functions = of_all);
+  void build(const Family& family, unsigned functions = of_all, bool any = Location::searches);
 
   radial_error error(unsigned functions = of_all) const {
     radial_error e;
@@ -94,21 +88,30 @@ struct functions_at_numbers {
 
 template <class T, class Location>
 template <class Family>
-void radial_tables<T, Location>::build(const Family& family, unsigned functions) {
+void radial_tables<T, Location>::build(const Family& family, unsigned functions, bool any) {
   using R = typename Family::scalar;
-  // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power.
-  constexpr double slope_end = searches ? (single ? 43 : 60) : (single ? 20 : 40);
-  constexpr double least = single ? -87 : -700, square_end = 2 * slope_end;
-  constexpr double tiny = static_cast<double>((std::numeric_limits<T>::min)()),
-                   tiny_root = single ? 1e-22 : 1e-150;
+  // Logarithms of the smallest slope, of its square, and of slopes and squares beyond which all is a power, or
+  // of which nobody asks.
+  bool slow = false;
+  if constexpr (requires { family.slow_tails; }) slow = family.slow_tails;
+  const double slope_end = searches ? (single ? 43 : 60) : slow ? (single ? 43 : 138) : (single ? 20 : 40);
+  const double square_end = 2 * slope_end;
+  constexpr double least = single ? -87 : -700;
+  const double tiny = any && !single ? 1e-284 : static_cast<double>((std::numeric_limits<T>::min)()),
+               tiny_root = single ? 1e-22
+                           : any  ? 1e-142
+                                  : 1e-150;
   constexpr double central = single ? 20 : 50;
-  // Smaller odds than exp(-680) leave the inversion no digits.
-  constexpr double least_odds = single ? least : -680;
+  // Smaller odds leave an inversion of samples no digits.
+  const double least_odds = single ? least
+                            : any  ? -680
+                                   : -695,
+               least_radius = single ? tiny
+                              : any  ? 1e-290
+                                     : 1e-303;
   const detail::radial_samples<Family> samples(family);
-  const auto fill = [](table& t, const auto& function, fit_range range) {
-    // What a user's density below 1e-300 would have added.
-    if (searches && range.least > 1e-200) range.noise = 1e-149, range.order = 2;  // of roots
-    if (searches && range.least < 1e-200) range.noise = 1e-298;
+  const auto fill = [any](table& t, const auto& function, fit_range range) {
+    range.any = any;
     const auto sample = [&](const double* L, double* f, std::size_t n) {
       detail::in_lanes<R>(L, f, n, function);
     };
@@ -116,18 +119,18 @@ void radial_tables<T, Location>::build(const Family& family, unsigned functions)
   };
   const auto at_zero = [](const R& value) { return detail::first_lane(value); };
   const R zero(0);
-  // A density that is searched may vanish towards 0.
-  const double middle = searches ? 2 * std::log(at_zero(samples.radius(zero))) : least;
+  // Any density may vanish towards 0.
+  const double middle = any ? 2 * std::log(at_zero(samples.radius(zero))) : least;
   if (functions & of_P22)
     fill(root_D, [&](const R& L) { return samples.root_D(L); },
          {least, square_end, middle, std::sqrt(at_zero(family.P22(double_double<R>(zero)))),
-          single ? tiny : 1e-160, central, !searches});
+          single || any ? tiny_root : 1e-160, central, !searches});
   if (functions & of_survival)
     fill(survival, [&](const R& L) { return samples.survival(L); },
          {least, square_end, least, 1, tiny, central, !searches});
   if (functions & of_radius)
     fill(radius, [&](const R& L) { return samples.radius(L); },
-         {least_odds, single ? 17 : 37, 0, 0, single ? tiny : 1e-290, central});
+         {least_odds, single ? 17 : 37, 0, 0, least_radius, central});
   if (functions & of_P2)
     fill(root_P2, [&](const R& L) { return samples.root_P2(L); },
          {least, slope_end, least, std::sqrt(at_zero(family.P2(slope<R>(zero)))), tiny_root, central});
@@ -138,7 +141,7 @@ void radial_tables<T, Location>::build(const Family& family, unsigned functions)
     fill(mean_excess, [&](const R& L) { return samples.mean_excess(L); },
          {0.8 * least, square_end, 0.8 * least, at_zero(family.mean_excess(slope<R>(zero))), tiny, central});
   if (functions & of_visible) {
-    visible.build(family);
+    visible.build(family, any, any && root_P2.error > 1e-4 && root_P2.error < largest<double>());
     if constexpr (single && !searches)
       if (visible.complete) visible.start.build(detail::functions_at_numbers{*this});
   }

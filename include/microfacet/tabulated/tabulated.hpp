@@ -20,9 +20,9 @@ namespace detail {
 template <class Tables>
 inline constexpr unsigned parts_of_tables =
     part::scaled_P2 | part::direct_radius | part::radius_by_odds | part::scaled_sigma |
-    (Tables::searches ? 0U
-                      : part::P22_by_slope | part::survival_by_slope | part::tabulated_inverses |
-                            part::mixture_sampling | (Tables::single ? part::excess_quantile : 0U));
+    part::tabulated_inverses | part::mixture_sampling |
+    (Tables::searches ? 0U : part::P22_by_slope | part::survival_by_slope) |
+    (Tables::single ? part::excess_quantile : 0U);
 
 }  // namespace detail
 
@@ -33,7 +33,7 @@ class tabulated : public radial_defaults<R, detail::parts_of_tables<Tables>> {
   using tables = Tables;
   static constexpr std::string_view name = "tabulated";
   static constexpr std::array<std::string_view, 0> sources{};
-  static constexpr bool always_composes = tables::always_composes, inverts = !tables::searches;
+  static constexpr bool always_composes = tables::always_composes, searches = tables::searches;
 
   explicit tabulated(const tables& t) : t_(&t) {}
 
@@ -41,7 +41,7 @@ class tabulated : public radial_defaults<R, detail::parts_of_tables<Tables>> {
     return square(R(t_->root_D(r2) / (R(1) + r2.high)));
   }
   MICROFACET_INLINE R P22_of_slope(const R& r) const
-    requires inverts
+    requires(!searches)
   {
     return square(R(t_->root_D.of_root(r) / (R(1) + r * r)));
   }
@@ -51,12 +51,12 @@ class tabulated : public radial_defaults<R, detail::parts_of_tables<Tables>> {
     return square(R(t_->root_D(ratio(h2, z2, R(R(1) / z2.high))) / (z2.high + h2.high)));
   }
   MICROFACET_INLINE R survival_of_slope(const R& r) const
-    requires inverts
+    requires(!searches)
   {
-    return minimum(R(t_->survival.of_root(r)), R(1));
+    return at_most_one(R(t_->survival.of_root(r)), r);
   }
   MICROFACET_INLINE R survival(const double_double<R>& r2) const {
-    return minimum(R(t_->survival(r2)), R(1));
+    return at_most_one(R(t_->survival(r2)), r2.high);
   }
   MICROFACET_INLINE R radius(const R& xi) const {
     return t_->radius(quotient(double_double<R>(xi), fast_two_sum(R(1), R(-xi))));
@@ -68,38 +68,37 @@ class tabulated : public radial_defaults<R, detail::parts_of_tables<Tables>> {
     return t_->radius(double_double<R>((R(1) - rest) / rest));
   }
   MICROFACET_INLINE R radius_at_odds(const R& odds) const { return t_->radius(double_double<R>(odds)); }
-  MICROFACET_INLINE const auto& visible() const
-    requires inverts
-  {
-    return t_->visible;
-  }
+  MICROFACET_INLINE const auto& visible() const { return t_->visible; }
   // For smith/visible/sample_visible_mixture.hpp: J(t)/t = 1/v, M(P) = (1 - xi) M(t), and the slope across.
-  MICROFACET_INLINE bool samples_from_tables() const
-    requires inverts
-  {
-    return t_->visible.complete;
-  }
+  MICROFACET_INLINE bool samples_from_tables() const { return t_->visible.complete; }
   MICROFACET_INLINE R excess_radius(const R& v) const
-    requires(inverts && tables::single)
+    requires tables::single
   {
     return t_->visible.excess_radius(double_double<R>(v));
   }
-  MICROFACET_INLINE R moment_beyond(const R& t, const R& xi) const
-    requires inverts
-  {
+  MICROFACET_INLINE R moment_beyond(const R& t, const R& xi) const {
     const auto& v = t_->visible;
     const R odds = R(v.first_moment) / (v.moment(double_double<R>(t)) * (R(1) - xi)) - R(1);
     return maximum(R(v.moment_radius(double_double<R>(minimum(odds, R(1e37))))), t);
   }
-  MICROFACET_INLINE R across_of_tables(const R& along, const R& xi, const R& turn) const
-    requires inverts
-  {
+  MICROFACET_INLINE R across_of_tables(const R& along, const R& xi, const R& turn) const {
     const auto& v = t_->visible;
-    const R density = maximum(P2(slope<R>(along)), smallest<R>()), start(v.inverse_P2);
-    const R inverse = minimum(R(R(1) / (density * (R(1) - xi)) - start), R(1e37));
-    const R length = v.marginal_radius(double_double<R>(inverse));
-    const R rest = maximum(R((length - along) * (length + along)), R(0));
-    return sqrt(rest) * elementary::cos_sin_of_turns(R(R(0.5) * turn)).cosine;
+    const auto by_length = [&] {
+      const R density = maximum(P2(slope<R>(along)), smallest<R>()), start(v.inverse_P2);
+      const R inverse = minimum(R(R(1) / (density * (R(1) - xi)) - start), R(1e37));
+      const R length = v.marginal_radius(double_double<R>(inverse));
+      const R rest = maximum(R((length - along) * (length + along)), R(0));
+      return R(sqrt(rest) * elementary::cos_sin_of_turns(R(R(0.5) * turn)).cosine);
+    };
+    if constexpr (requires { v.shells; }) {
+      if (!v.falls()) {
+        const auto by_shells = [&] {
+          return R(select(turn < R(0.5), R(1), R(-1)) * v.shells.across(R(abs(along)), xi));
+        };
+        return select_lazy(abs(along) < R(v.fall), by_shells, by_length);
+      }
+    }
+    return by_length();
   }
   MICROFACET_INLINE R radius2(const R& xi) const { return square(radius(xi)); }
   MICROFACET_INLINE R P2(const slope<R>& t, const R& factor = R(1)) const {
@@ -117,6 +116,10 @@ class tabulated : public radial_defaults<R, detail::parts_of_tables<Tables>> {
   MICROFACET_INLINE R mean_excess(const slope<R>& x) const { return t_->mean_excess(x.squared); }
 
  private:
+  // A probability to exceed x; the last piece of a table ends before infinity.
+  MICROFACET_INLINE static R at_most_one(const R& found, const R& x) {
+    return select(x <= largest<R>(), minimum(found, R(1)), R(R(0) * found));
+  }
   // a/b, given 1/b.high; an infinite quotient is alone.
   MICROFACET_INLINE static double_double<R> ratio(const double_double<R>& a, const double_double<R>& b,
                                                   const R& reciprocal) {

@@ -107,7 +107,8 @@ class user_density
       if (distance > 19)
         return 2 * norm_inverse_ *
                (sum + all - (Which == 0 ? 0 : t * (Which == 1 ? rest.line : 0.5 * pi * rest.mass)));
-      if (distance > 1 && all < 1e-17 * sum) break;
+      // The weight of what is left is 1/sqrt(1 - (t/r)^2) at most.
+      if (all < 1e-17 * sum * std::sqrt((std::min)(distance, 1.0))) break;
     }
     if (i == panels_ && goes_on_) advance(40, outside);
     return 2 * norm_inverse_ * sum;

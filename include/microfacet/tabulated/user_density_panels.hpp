@@ -20,7 +20,7 @@ class user_density_panels {
  protected:
   using table = piecewise<double, 8, by_search<double, 512>>;
   static table table_of(const sampled_function& f, double lower, double upper, double at_zero) {
-    return piecewise_fit<table>(f, {lower, upper, lower, at_zero, 1e-300, 50})();
+    return piecewise_fit<table>(f, {lower, upper, lower, at_zero, 1e-300, 50, false, true})();
   }
   // density(L, f, n) stores P22 (up to a factor) at slopes exp(L[i]) in [lower, upper]; beyond both it is a
   // power.
@@ -31,7 +31,8 @@ class user_density_panels {
         std::find(P22_.start.begin(), P22_.start.end(), largest<double>()) - P22_.start.begin() - 1);
     goes_on_ = P22_.twice_value[last] > 0, high_power_ = P22_.coefficient[0][last];
     begin_ = lower, end_ = goes_on_ ? upper : std::log(P22_.start[last]);
-    low_power_ = std::log(at(begin_ + 1) / at(begin_));
+    const double step = (std::min)(1.0, 0.05 * (end_ - begin_));
+    low_power_ = std::log(at(begin_ + step) / at(begin_)) / step;
     for (std::size_t i = 0; i < last; ++i) add_panels(i, (std::min)(std::log(P22_.start[i + 1]), end_));
     if (goes_on_) add_panels(last, end_);
     accumulate();
@@ -63,7 +64,10 @@ class user_density_panels {
     const double from = panel_[panels_];
     if (!(to > from)) return;
     const std::size_t first_panel = panels_;
-    const double swing = std::abs(std::log(at(to) / at(from)) + 2 * (to - from));
+    // A piece may hold a whole peak.
+    const double middle = 0.5 * (from + to);
+    const double swing = std::abs(std::log(at(middle) / at(from)) + (to - from)) +
+                         std::abs(std::log(at(to) / at(middle)) + (to - from));
     const double parts = std::ceil((std::max)((std::min)(swing, 1e3) / 6, (to - from) / 2));
     for (double k = 1; k <= parts && panels_ + 1 < most_panels; ++k)
       panel_[++panels_] = k == parts ? to : from + (to - from) * k / parts;

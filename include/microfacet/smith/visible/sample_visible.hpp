@@ -24,13 +24,13 @@ namespace microfacet {
 
 namespace detail {
 
-// Whether tables in float32 reach as far below the horizon as x; otherwise nan is drawn, and the caller may
-// draw in double.
+// Whether tables reach as far below the horizon as x; otherwise nan is drawn, and for float32 the caller may draw in
+// double. There is nothing to be seen beyond the end of a density.
 template <class Family, class T>
 auto tables_reach(const Family& family, const T& x) {
   constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
-  if constexpr (single) {
-    return (x > T(0)) | (family.mean_excess(slope<T>(abs(x))) > T(1e-30));
+  if constexpr (single || tabulated_inverses<Family>) {
+    return (x > T(0)) | (family.mean_excess(slope<T>(abs(x))) > T(single ? 1e-30 : 0));
   } else {
     return x == x;
   }
@@ -47,12 +47,12 @@ T slope_across(const Family& family, const T& along, const T& xi1, const T& xi2)
       return T(family.across(along, T(-log1p(-xi1))) *
                elementary::cos_sin_of_turns(T(T(0.5) * valid)).cosine);
     };
-    if constexpr (requires { family.lifts(); }) {
+    if constexpr (requires { family.lifts(along); }) {
       const auto by_integral = [&] {
         return T(select(valid < T(0.5), T(1), T(-1)) * family.across_by_integral(along, xi1) +
                  (valid - valid));
       };
-      return select_lazy(family.lifts(), by_length, by_integral);
+      return select_lazy(family.lifts(along), by_length, by_integral);
     } else {
       return by_length();
     }

@@ -51,9 +51,11 @@ class visible_tails {
   }
   T sf_over_density(const T& t) const { return slope_sf(t) / density(t); }
   // Nearly: exact for an exponential, and far out for a power and a Gaussian.
+  // Beyond the end of a light tail all of it is 0.
   T score(const T& t, const T& sf, const T& excess) const {
     const T ratio = sf * sf / excess;
-    return (ratio - T(2)) * t * t / (sf * (t * t + T(0.25) * sf * sf));
+    const T value = (ratio - T(2)) * t * t / (sf * (t * t + T(0.25) * sf * sf));
+    return select(excess > T(0), value, T(0));
   }
   T survival_radius(const T& depth) const {
     if constexpr (radius_by_odds<Family>) {
@@ -98,18 +100,22 @@ class visible_tails {
     return {d * mass, d * moment};
   }
 
-  // Whether P2 is the marginal of a density in three dimensions, as `across` takes for granted.
-  auto lifts() const {
+  // Whether P2, from here on, is the marginal of a density in three dimensions, as `across` takes for granted.
+  auto lifts(const T& along) const {
     if constexpr (tabulated_inverses<Family>) {
-      const T falls(family_.visible().falls ? T(1) : T(0));
-      return falls > T(0);
+      return abs(along) >= T(family_.visible().fall);
     } else if constexpr (conditional_fall<Family>) {
       return family_.falls();
     } else {
-      return T(0) == T(0);
+      return along == along;
     }
   }
-  // Otherwise: the slope across by the quantile of its size, |q| = scale tan(angle), from an integral.
+  // Otherwise: the slope across by the quantile of its size, from shells, or |q| = scale tan(angle) from an integral.
+  T across_by_integral(const T& along, const T& xi) const
+    requires tabulated_inverses<Family>
+  {
+    return family_.visible().shells.across(T(abs(along)), xi);
+  }
   T across_by_integral(const T& along_argument, const T& xi) const {
     const auto& rule = detail::rule_across;
     const T along = abs(along_argument), scale = along + sf_over_density(along);
@@ -154,7 +160,9 @@ class visible_tails {
       const T h = R * T(single ? 0x1p-6 : 0x1p-16), slope = log(value / density(T(R + h))) / h;
       const T change = T(2) * R * r / maximum(T(slope * before), smallest<T>());
       const T to = before * exp(maximum(minimum(T(-change), T(4)), T(-4)));
-      const auto inside = (to >= least) & (to <= most);
+      // A long step that ends at the other bound would come back from there: light tails are flat, then steep.
+      const auto within = (to > T(1.02) * least) & (to < T(0.98) * most);
+      const auto inside = (to >= least) & (to <= most) & (within | (abs(change) < T(1)));
       const T moved = select(inside | (least == T(0)), to, T(sqrt(least) * sqrt(most)));
       const T after = select(elementary::is_number(moved) & (moved >= T(0)), moved, before);
       return iteration{states{after, least, most},
