@@ -52,7 +52,8 @@ bool add_family(PyObject* module) {
                         add(space, "sources", sources<Family>()) &&
                         add(space, "visible_dims", PyLong_FromLong(Family::visible_dimensions)) &&
                         add(space, "mixture_dims", PyLong_FromLong(Family::mixture_dimensions)) &&
-                        add(space, "shape_invariant", PyBool_FromLong(Family::shape_invariant));
+                        add(space, "shape_invariant", PyBool_FromLong(Family::shape_invariant)) &&
+                        add(space, "singular", PyBool_FromLong(Family::singular));
   if (!complete) {
     Py_DECREF(space);
     return false;

@@ -13,7 +13,7 @@ struct exponential : operation<"exp", 1, 0> {
 };
 struct no_model {
   struct family {
-    static constexpr bool float32_arithmetic = true, shape_invariant = false;
+    static constexpr bool float32_arithmetic = true, shape_invariant = false, tables_alone = false;
     static constexpr unsigned tabulate = 0;
     static constexpr std::array<parameter, 0> parameters{};
   };

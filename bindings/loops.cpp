@@ -26,9 +26,12 @@ class elements {
     const bool has_tables_alone = op_.wide.constant == nullptr;
     if (constant && (op_.plan.wide_parameters || has_tables_alone || n_ >= long_array) && from_any_tables())
       return;
-    if (has_tables_alone)
+    if (has_tables_alone && constant)
       fill_with_nan();
-    else if (std::is_same_v<T, float> && op_.single.constant != nullptr)
+    else if (has_tables_alone && op_.wide.varying == nullptr)
+      for (npy_intp i = 0; i < n_; ++i) part(i, 1).evaluate();
+    else if (std::is_same_v<T, float> &&
+             (op_.single.constant != nullptr || op_.single.varying_tables != nullptr))
       in_float32_where_it_serves(constant);
     else
       in_own_forms<double>(constant);
@@ -72,10 +75,18 @@ class elements {
     const kernel_set<Compute>& kernels = op_.of<Compute>();
     if (constant)
       run_made<Compute>(kernels.own_forms, kernels.constant);
+    else if (kernels.varying_tables != nullptr)
+      from_varying_tables(kernels);
     else if (kernels.varying != nullptr)
       run(false, kernels.varying, nullptr);
     else  // frozen distributions have constant parameters: no kernel of its own for others
       for (npy_intp i = 0; i < n_; ++i) part(i, 1).template in_own_forms<Compute>(true);
+  }
+  template <class Compute>
+  void from_varying_tables(const kernel_set<Compute>& kernels) const {
+    distribution_in_use made;
+    if (!kernels.varying_tables(parameters().data(), op_.functions, made)) return fill_with_nan();
+    run(false, kernels.varying, made.distribution.data());
   }
   bool fits_float32(npy_intp i = 0) const {
     return op_.fits_float32(parameters(i).data(), op_.samples_visible);

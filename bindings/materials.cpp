@@ -134,7 +134,8 @@ struct material_call {
 template <class Compute, class T>
 class blocks_of_call : public material_blocks<Compute> {
  public:
-  explicit blocks_of_call(const material_call& call) : call_(call), op_(*call.ufunc.operation) {
+  blocks_of_call(const material_call& call, const mean_plane::frame* frame)
+      : call_(call), op_(*call.ufunc.operation), frame_(frame) {
     this->turn = [](material_blocks<Compute>& b) { return static_cast<blocks_of_call&>(b).advance(); };
     this->narrow_results = sizeof(T) < sizeof(Compute);
     this->one_material = std::all_of(call.steps + first_of_material(), call.steps + op_.values,
@@ -149,9 +150,21 @@ class blocks_of_call : public material_blocks<Compute> {
   std::size_t first_of_material() const { return 3 * op_.directions + op_.uniforms; }
   char* at(std::size_t a) const { return call_.args[a] + first_ * call_.steps[a]; }
   bool in_place(std::size_t a) const {
-    return std::is_same_v<T, Compute> && call_.steps[a] == sizeof(T) && this->count % filled_up<Compute> == 0;
+    return frame_ == nullptr && std::is_same_v<T, Compute> && call_.steps[a] == sizeof(T) &&
+           this->count % filled_up<Compute> == 0;
+  }
+  // The directions that a kernel is given, and the one that it gives, in coordinates of the mean plane.
+  template <class Turn>
+  void turn_to(const Turn& turned, block<Compute>* w) const {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(this->padded); ++i) {
+      const vec3<double> to = turned(vec3<double>{w[0][i], w[1][i], w[2][i]});
+      w[0][i] = static_cast<Compute>(to.x), w[1][i] = static_cast<Compute>(to.y);
+      w[2][i] = static_cast<Compute>(to.z);
+    }
   }
   bool advance() {
+    if (frame_ != nullptr && this->count > 0 && op_.outputs > 2)
+      turn_to([this](const vec3<double>& w) { return frame_->to_world(w); }, out_.data());
     for (std::size_t k = 0, a = call_.ufunc.inputs(); this->count > 0 && k < op_.outputs; ++k, ++a)
       if (!in_place(a)) scatter<Compute, T>(out_[k], at(a), call_.steps[a], this->count);
     first_ += this->count;
@@ -165,6 +178,8 @@ class blocks_of_call : public material_blocks<Compute> {
         (uniform ? gather_uniform<T, Compute> : gather<T, Compute>)(at(a), call_.steps[a], this->count,
                                                                     in_[a]);
     }
+    for (std::size_t k = 0; frame_ != nullptr && k < op_.directions; ++k)
+      turn_to([this](const vec3<double>& w) { return frame_->from_world(w); }, &in_[3 * k]);
     if (op_.elements != 0)
       gather<double>(at(op_.values), call_.steps[op_.values], this->count, this->element);
     for (std::size_t k = 0, a = call_.ufunc.inputs(); k < op_.outputs; ++k, ++a)
@@ -174,6 +189,7 @@ class blocks_of_call : public material_blocks<Compute> {
 
   const material_call& call_;
   const material_operation& op_;
+  const mean_plane::frame* frame_;
   npy_intp first_ = 0;
   std::array<block<Compute>, most_values> in_;
   std::array<block<Compute>, most_results> out_;
@@ -181,7 +197,7 @@ class blocks_of_call : public material_blocks<Compute> {
 template <class Compute, class T>
 void run_blocks(const array_distribution<Compute>& d, void* data) {
   const auto& call = *static_cast<const material_call*>(data);
-  const auto blocks = std::make_unique<blocks_of_call<Compute, T>>(call);
+  const auto blocks = std::make_unique<blocks_of_call<Compute, T>>(call, d.frame);
   call.ufunc.operation->template kernel<Compute>(d)(d, *blocks);
 }
 

@@ -19,7 +19,7 @@ bool add_parts(PyObject* module, const std::tuple<Tag...>&) {
   (PyTuple_SET_ITEM(names, i++, PyUnicode_FromString(Tag::template type<double>::name.data())), ...);
   return add(module, "families", names) && (add_family<Tag>(module) && ...) &&
          add(module, "roughness", Py_BuildValue("(dd)", roughness.lower, roughness.upper)) &&
-         add_user_densities(module) && add_interfaces(module);
+         add_user_densities(module) && add_slope_tables(module) && add_interfaces(module);
 }
 
 PyModuleDef definition{.m_base = PyModuleDef_HEAD_INIT,

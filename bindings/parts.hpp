@@ -10,6 +10,7 @@ template <class Tag>
 bool add_family(PyObject* module);
 
 bool add_user_densities(PyObject* module);  // user_densities.cpp
+bool add_slope_tables(PyObject* module);    // slope_tables.cpp
 bool add_interfaces(PyObject* module);      // interfaces.cpp
 
 }  // namespace microfacet::bindings

@@ -52,8 +52,13 @@ class Density:
         return self.parameters[0]
 
     @property
+    def units(self) -> Array:
+        """`MU` up to where next to nothing is steeper, and a rounding of a slope is all that counts."""
+        return MU[self.survival(self.alpha * MU) > 1e-25]
+
+    @property
     def slopes(self) -> Array:
-        return self.alpha * MU
+        return self.alpha * self.units
 
     @property
     def cosines(self) -> Array:
@@ -210,7 +215,7 @@ def inverse(f: Density) -> None:
 
 def shape_invariant(f: Density) -> None:
     """alpha stretches the slopes: P22, P2, slope_cdf, survival and Lambda depend on slope/alpha alone."""
-    x, (alpha, *shape) = MU, f.parameters
+    x, (alpha, *shape) = f.units, f.parameters
     for other in (alpha / 7, alpha * 3):
         g = Density(f.kernels, (other, *shape))
         assert_allclose(alpha**2 * f.P22(alpha * x, 0.0), other**2 * g.P22(other * x, 0.0), rtol=1e-13)
@@ -227,4 +232,9 @@ def shape_invariant(f: Density) -> None:
 ALL = (
     height_field_normalised, slopes_from_D, slopes_normalised, marginal, slope_cdf, survival, infinity,
     lambda_from_marginal, projected_area, masking, monotone, delta_integral, inverse,
+)  # fmt: skip
+# Those that integrate D, P22 or P2, or invert the survival function, by rules for functions without an edge.
+OF_A_DENSITY = (
+    height_field_normalised, slopes_from_D, slopes_normalised, marginal, slope_cdf, survival,
+    lambda_from_marginal, projected_area, delta_integral, inverse,
 )  # fmt: skip

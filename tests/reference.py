@@ -89,6 +89,54 @@ def _bessel_k(nu: arb, z: arb) -> arb:
     return result * (1 + arb(0, 1) * z.rad() * (2 + 4 * (order + 1) / middle))  # bound of abs((log K)')
 
 
+def ei(alpha: arb) -> Density:
+    scale = 1 / (arb.pi() * alpha**2)
+    return lambda y: scale * (y / alpha**2).expint(arb(1)) if y != 0 else arb.pos_inf()
+
+
+def erfc(alpha: arb) -> Density:
+    """erfc(r)/r is E_{1/2}(r^2)/sqrt(pi)."""
+    scale = 1 / (2 * arb.pi() * alpha**2)
+    return lambda y: scale * (y / alpha**2).expint(arb(0.5)) if y != 0 else arb.pos_inf()
+
+
+def double_ggx(alpha: arb) -> Density:
+    """The mean of GGX is w^2 U(2, 1, w), w = alpha^2/y: Tricomi's (1 + w) exp(w) E_1(w) - 1."""
+    scale = 1 / (arb.pi() * alpha**2)
+
+    def tricomi(w: arb) -> arb:
+        middle = w.mid()
+        if w > 64:
+            value = middle.hypgeom_u(arb(2), arb(1))
+        else:
+            with ctx.workprec(ctx.prec + 40 + int(3 * float(middle))):  # both cancel
+                value = (1 + middle) * middle.exp() * middle.expint(arb(1)) - 1
+        return value * (1 + arb(0, 1) * w.rad() * 3 / middle)  # bound of abs(d log U/d log w), which is 2
+
+    def density(y: arb) -> arb:
+        if y == 0:
+            return scale
+        w = alpha**2 / y
+        return scale * w**2 * tricomi(w)
+
+    return density
+
+
+def exponential(alpha: arb) -> Density:
+    scale = 2 / (arb.pi() * alpha**2)
+    return lambda y: scale * (-2 * y.sqrt() / alpha).exp()
+
+
+def generalised_exponential(alpha: arb, g: arb) -> Density:
+    scale = 1 / (arb.pi() * alpha**2 * (1 + 2 / g).gamma())
+    return lambda y: scale * (-((y / alpha**2) ** (g / 2))).exp()
+
+
+def dirac(alpha: arb) -> Density:
+    """All slopes have the length alpha: no function, so that `Ring` has the rest."""
+    return lambda y: arb.pos_inf() if y == alpha**2 else arb(0)
+
+
 _DENSITIES = {
     "beckmann": beckmann,
     "ggx": ggx,
@@ -96,6 +144,12 @@ _DENSITIES = {
     "student_t": student_t,
     "k0": k0,
     "bessel_k": bessel_k,
+    "ei": ei,
+    "erfc": erfc,
+    "double_ggx": double_ggx,
+    "dirac": dirac,
+    "exponential": exponential,
+    "generalised_exponential": generalised_exponential,
 }
 FAMILIES: dict[str, int] = {
     name: len(signature(f).parameters) for name, f in _DENSITIES.items()
@@ -117,7 +171,7 @@ class Reference:
             self._scales.append(balls[0] * balls[1].sqrt())
         self._excess: dict[tuple[object, ...], arb] = {}  # sigma, Lambda and G1 need the same integral
         self._radius: dict[arb, arb] = {}  # sample_u needs that of sample_slope
-        self._infinite_marginal = family == "bessel_k" and balls[1] <= 0.5
+        self._infinite_marginal = (family == "bessel_k" and balls[1] <= 0.5) or family == "erfc"
 
     def _beyond(self, kernel: Callable[[arb], arb], p: arb, tolerance: float = TOLERANCE) -> arb:
         """int_0^inf kernel(q) P22(p^2 + q^2) dq."""
@@ -226,9 +280,44 @@ class Reference:
         return (1 + self.sample_slope(xi) ** 2).rsqrt()
 
 
+class Ring(Reference):
+    """Dirac, by the azimuth at which a slope of the length alpha has the component p along an axis."""
+
+    def __init__(self, family: str, *parameters: float) -> None:
+        super().__init__(family, *parameters)
+        self._length = self._scales[0]
+
+    def _azimuth(self, p: arb) -> arb:
+        return (p / self._length).acos()
+
+    def P2(self, p: arb) -> arb:  # -d(azimuth)/dp over pi
+        size = abs(p)
+        if size >= self._length:
+            return arb.pos_inf() if size == self._length else arb(0)
+        return 1 / (arb.pi() * self._length * self._azimuth(size).sin())
+
+    def slope_sf(self, p: arb) -> arb:
+        return self._azimuth(p) / arb.pi() if p < self._length else arb(0)
+
+    def excess(self, mu: arb) -> arb:
+        if mu >= self._length:
+            return arb(0)
+        azimuth = self._azimuth(mu)
+        return (self._length * azimuth.sin() - mu * azimuth) / arb.pi()
+
+    def survival(self, r: arb, tolerance: float = TOLERANCE) -> arb:
+        return arb(1 if r < self._length else 0)
+
+    def inside(self, r: arb, tolerance: float = TOLERANCE) -> arb:
+        return 1 - self.survival(r)
+
+    def sample_slope(self, xi: arb) -> arb:
+        return self._length
+
+
 @lru_cache(maxsize=1000)
 def _reference(precision: int, family: str, parameters: tuple[float, ...]) -> Reference:
-    return Reference(family, *parameters)
+    return (Ring if family == "dirac" else Reference)(family, *parameters)
 
 
 _ARGUMENTS = {"P22": 2}  # number of arguments before the parameters, 1 unless stated

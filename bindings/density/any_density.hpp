@@ -22,14 +22,17 @@ class any_density {
   virtual scalar slope_sf(const slope<scalar>& t) const = 0;
   virtual scalar mean_excess(const slope<scalar>& t) const = 0;
 
+  const bool slow_tails;
+
  protected:
+  explicit any_density(bool slow) : slow_tails(slow) {}
   ~any_density() = default;
 };
 
 template <class Family>
 class any_density_of final : public any_density {
  public:
-  explicit any_density_of(const Family& family) : family_(family) {}
+  explicit any_density_of(const Family& family) : any_density(Family::slow_tails), family_(family) {}
 
   scalar P22(const sum& r2) const override { return family_.P22(r2); }
   scalar P22_of_slope(const scalar& r) const override {

@@ -96,5 +96,14 @@ bool use_tables(const double* parameters, unsigned functions, distribution_in_us
   in_use.tables = tables;
   return true;
 }
+// The tables themselves, for kernels that bring the rest.
+template <class Model, class Real>
+bool use_bare_tables(const double* parameters, unsigned functions, distribution_in_use& in_use) {
+  const auto tables = tables_of<Model, Real>(parameters, functions);
+  if (tables == nullptr) return false;
+  in_use.hold(tables.get());
+  in_use.tables = tables;
+  return true;
+}
 
 }  // namespace microfacet::bindings

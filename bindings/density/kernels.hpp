@@ -75,6 +75,10 @@ template <class Operation, class Lanes, class Shape>
 template <class Operation, class Lanes, class Shape>
 void evaluate_from_tables(const void* distribution, const lane_of<Lanes>* const* in,
                           lane_of<Lanes>* const* out, std::ptrdiff_t n);
+// Of the densities that have tables alone, at roughnesses that vary: the context is a pointer to the tables.
+template <class Operation, class Lanes>
+[[gnu::flatten]] void evaluate_varying_from_tables(const void* tables, const lane_of<Lanes>* const* in,
+                                                   lane_of<Lanes>* const* out, std::ptrdiff_t n);
 
 // Parameters that vary are arrays like the values, and stand behind them.
 template <class Model, class Operation, class Lanes>
@@ -96,13 +100,14 @@ template <class Model, class Operation, class Lanes>
 }
 
 // Kernels on one kind of number, null where there is none: at constant parameters, at varying ones, and on
-// tables of the density; and what makes the distributions that the first and the last of them read.
+// tables of the density; and what makes the distributions that the first and the last of them read, and the tables
+// that the second reads where there is nothing else.
 template <class Real>
 struct kernel_set {
   using maker = bool (*)(const double* parameters, unsigned functions, distribution_in_use&);
   block_kernel<Real> constant = nullptr, varying = nullptr, table = nullptr;
   bool table_of_one_register = false;
-  maker own_forms = nullptr, tables = nullptr;
+  maker own_forms = nullptr, tables = nullptr, varying_tables = nullptr;
 };
 
 // All that a loop has to know of an operation of a model.
@@ -138,6 +143,7 @@ constexpr kernel_set<Real> kernels_of() {
   constexpr bool single = std::is_same_v<Real, float>;
   // A density of the user's has tables alone, which are searched.
   constexpr bool searches = requires { typename Model::tag::template table_density<lanes<float>>; };
+  constexpr bool alone = searches || family::tables_alone;
   // In float32 constants or tables say where an inversion starts, and nothing loops.
   constexpr bool iterates = Operation::solves && !closed_visible_sampling<family> &&
                             !(single && (family::tabulate != 0 || started_inversion<family>));
@@ -154,7 +160,7 @@ constexpr kernel_set<Real> kernels_of() {
                             ? !in_closed_form || (Operation::samples_from_tables && single)
                             : (Operation::functions & ~family::tabulate) == 0 || !native;
   kernel_set<Real> k;
-  if constexpr (!searches && computes) {
+  if constexpr (!alone && computes) {
     using own = decltype(constant_distribution<Model, lanes<Real>>({}));
     if constexpr (is_short) {
       k.constant = &evaluate_flat<Operation, lanes<Real>, own>;
@@ -167,6 +173,11 @@ constexpr kernel_set<Real> kernels_of() {
     } else if constexpr (Varying) {
       k.varying = &evaluate_varying<Model, Operation, lanes<Real>>;
     }
+  }
+  if constexpr (family::tables_alone && Varying && family::parameters.empty()) {
+    static_assert(family::shape_invariant);
+    k.varying = &evaluate_varying_from_tables<Operation, lanes<Real, most_registers>>;
+    k.varying_tables = &use_bare_tables<Model, Real>;
   }
   if constexpr (family::tabulate != 0 && pays) {
     constexpr bool one_register = table_of_one_register<Operation, Real, searches>;

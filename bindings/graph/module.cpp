@@ -85,7 +85,8 @@ PyObject* families_with(const std::tuple<Tag...>*, const Property& property) {
 }
 bool add_properties(PyObject* module) {
   constexpr const microfacet::all_families* all = nullptr;
-  const object exact(families_with(all, []<class F>(const F*) { return F::float32_graphs; })),
+  const object exact(
+      families_with(all, []<class F>(const F*) { return F::float32_graphs && !F::tables_alone; })),
       shorter(families_with(all, []<class F>(const F*) { return !F::float32_arithmetic; }));
   return PyModule_AddObjectRef(module, "exact_in_float32", exact.get()) == 0 &&
          PyModule_AddObjectRef(module, "shorter_from_tables", shorter.get()) == 0;

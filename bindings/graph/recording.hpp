@@ -63,8 +63,11 @@ record::graph record_graph(const density_source& source, const record::request& 
     using family = typename Tag::template type<T>;
     if (family::name != source.family) return;
     found = true;
-    made = record::recorded<Real>(
-        asked, native, [](const auto& parameter) { return detail::family_of<family, T>(parameter); });
+    if constexpr (family::tables_alone)
+      throw std::invalid_argument(std::string(source.family) + " is recorded from its tables");
+    else
+      made = record::recorded<Real>(
+          asked, native, [](const auto& parameter) { return detail::family_of<family, T>(parameter); });
   };
   [&]<class... Tag>(const std::tuple<Tag...>*) {
     (of_family(static_cast<Tag*>(nullptr)), ...);

@@ -7,6 +7,7 @@
 
 #include "bindings/loop/numpy.hpp"
 #include "bindings/material/block.hpp"
+#include "microfacet/smith/mean_plane.hpp"
 #include "microfacet/smith/ndf.hpp"
 #include "microfacet/tabulated/tabulated.hpp"
 
@@ -35,6 +36,8 @@ class array_distribution {
   std::array<function, static_cast<std::size_t>(quantity::count)> functions;
   const fused_kernels<Real>* fused = nullptr;
   const void* fused_distribution = nullptr;  // of the type that the fused kernels know
+  // Where the mean plane is not horizontal: the coordinates of the functions, in which it is.
+  const mean_plane::frame* frame = nullptr;
 
   bool has(quantity q) const { return of(q).kernel != nullptr; }
   void D(int n, const block3<Real>& m, block<Real>& out) const { call(quantity::D, n, m, out.data()); }

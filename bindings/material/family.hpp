@@ -71,7 +71,9 @@ struct kernels_for_materials {
       return run(&own, nullptr, nullptr);
     } else {
       const auto run_on = [&](const void* one_register, const void* two_registers) {
-        if constexpr (family::float32_arithmetic || std::is_same_v<Real, double>) {
+        if constexpr (family::tables_alone) {
+          return run(nullptr, one_register, two_registers);
+        } else if constexpr (family::float32_arithmetic || std::is_same_v<Real, double>) {
           const auto own = constant_distribution<Model, lanes<Real>>(numbers);
           return run(&own, one_register, two_registers);
         } else {
@@ -82,11 +84,17 @@ struct kernels_for_materials {
       if (tables != nullptr) {
         const auto one = tabulated_distribution<Model, lanes<Real>>(*tables, numbers);
         const auto two = tabulated_distribution<Model, lanes<Real, most_registers>>(*tables, numbers);
-        static_assert(std::is_same_v<decltype(one), const tabulated_directions<Real>>);
-        d.fused = &fused_kernels_on_tables<Real>(), d.fused_distribution = &one;
-        return run_on(&one, &two);
+        if constexpr (std::is_same_v<decltype(one), const tabulated_directions<Real>>) {
+          d.fused = &fused_kernels_on_tables<Real>(), d.fused_distribution = &one;
+          return run_on(&one, &two);
+        } else if constexpr (std::is_same_v<Real, double>) {
+          d.fused = &fused_kernels_on_arrays();
+          return run_on(&one, &two);
+        } else {
+          return false;  // what is searched is compiled once
+        }
       }
-      if constexpr (std::is_same_v<Real, double>) {
+      if constexpr (std::is_same_v<Real, double> && !family::tables_alone) {
         d.fused = &fused_kernels_on_arrays();
         return run_on(nullptr, nullptr);
       } else {

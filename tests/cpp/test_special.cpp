@@ -1,11 +1,14 @@
 // The special functions against the table of tools/tabulate_special.py, in double and float.
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "check.hpp"
 #include "microfacet/special/bessel.hpp"
 #include "microfacet/special/bessel_complement.hpp"
 #include "microfacet/special/erf.hpp"
+#include "microfacet/special/exponential_integral.hpp"
 #include "microfacet/special/gamma.hpp"
 #include "microfacet/special/student.hpp"
 #include "special_values.hpp"
@@ -97,9 +100,32 @@ void student_functions() {
   COMPARE(student_excess, few, [&](T k, T t) { return relative(k, t, mf::student::excess<T>); });
 }
 
+template <class T>
+void exponential_integrals() {
+  // exp(-y) of a rounded y, in float too, for a double_double is exact.
+  COMPARE(exponential_integral_1, few,
+          [](T y, T) { return mf::exponential_integral::e1(mf::double_double<T>(y)); });
+  COMPARE(exponential_integral_2, few,
+          [](T y, T) { return mf::exponential_integral::e2(mf::double_double<T>(y)); });
+}
+
+// int exp(-s) s^k ds is a factorial, and at k = -1/2 the root of pi; with 1/(s + y) it is exp(y) E_1(y).
+template <class T>
+void exponential_means() {
+  const double tolerance = few * std::numeric_limits<T>::epsilon();
+  for (const auto& [k, factorial] : {std::pair(0, 1.0), std::pair(1, 1.0), std::pair(4, 24.0)})
+    CHECK_NEAR(mf::exponential_mean<T>([&](const T& s) { return T(std::pow(s, T(k))); }), factorial,
+               tolerance);
+  CHECK_NEAR(mf::exponential_mean<T>([](const T& s) { return T(1) / std::sqrt(s); }), mf::sqrt_pi, tolerance);
+  CHECK_NEAR(mf::exponential_mean<T>([](const T& s) { return T(1) / (s + T(0.0625)); }), 2.4024680837171493,
+             tolerance);
+}
+
 }  // namespace
 
 TEST(error_functions) { error_functions<double>(), error_functions<float>(); }
+TEST(exponential_integrals) { exponential_integrals<double>(), exponential_integrals<float>(); }
+TEST(exponential_means) { exponential_means<double>(), exponential_means<float>(); }
 TEST(gamma_functions) { gamma_functions<double>(), gamma_functions<float>(); }
 TEST(bessel_functions) { bessel_functions<double>(), bessel_functions<float>(); }
 TEST(large_orders_in_float) { large_orders_in_float(); }

@@ -60,7 +60,7 @@ struct beckmann_start {
 template <class T>
 class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma | part::tail_quotients |
                                                part::quantile_across | part::mixture_sampling |
-                                               part::started_inversion> {
+                                               part::started_inversion | part::closed_excess_quantile> {
  public:
   static constexpr std::string_view name = "beckmann";
   static constexpr std::array<std::string_view, 3> sources{"beckmann1963scattering", "walter2007microfacet",
@@ -129,6 +129,7 @@ class beckmann : public radial_defaults<T, part::scaled_P2 | part::scaled_sigma 
   }
   static constexpr detail::beckmann_start start() { return {}; }
   static T over_density(const T& t) { return T(sqrt_pi) * exp(minimum(T(t * t), T(80))); }
+  T closed_excess_radius(const T& v) const { return ierfc_quotient_inverse(v); }
   // The slope across the plane of incidence is independent of that in it.
   T across_by_quantile(const T& xi) const { return erfc_inverse_of_half(maximum(xi, smallest<T>())); }
   // Where a table gives J(t)/t = 1/v: M(P) = (1 - xi) M(t), and the slope across.

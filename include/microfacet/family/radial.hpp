@@ -71,6 +71,8 @@ template <class F>
 concept mixture_sampling = requires(const F f, typename F::scalar t) { f.moment_beyond(t, t); f.across_of_tables(t, t, t); };
 template <class F>
 concept excess_quantile = requires(const F f, typename F::scalar v) { f.excess_radius(v); };
+template <class F>  // the same in closed form, for float32: where programs are recorded, iterations are dear
+concept closed_excess_quantile = requires(const F f, typename F::scalar v) { f.closed_excess_radius(v); };
 template <class F>  // tables from which iterations start: their error is not bounded
 concept tabulated_inverses = requires(const F f) { f.visible(); };
 template <class F>  // whether P2 falls everywhere, for these parameters; elsewhere it does for all
@@ -84,7 +86,7 @@ enum parts : unsigned {
   scaled_excess = 1 << 5, scaled_sigma = 1 << 6, facet_sampling = 1 << 7, bounded_facet_sampling = 1 << 8,
   slope_sampling = 1 << 9, special_slope_sampling = 1 << 10, quantile_across = 1 << 11, tail_quotients = 1 << 12,
   mixture_sampling = 1 << 13, excess_quantile = 1 << 14, conditional_fall = 1 << 15, float32_sampling_range = 1 << 16,
-  started_inversion = 1 << 17, tabulated_inverses = 1 << 18
+  started_inversion = 1 << 17, tabulated_inverses = 1 << 18, closed_excess_quantile = 1 << 19
 };
 }
 
@@ -101,6 +103,7 @@ concept has_the_parts_it_states =
     agrees<F, part::special_slope_sampling, special_slope_sampling<F>> &&
     agrees<F, part::quantile_across, quantile_across<F>> && agrees<F, part::tail_quotients, tail_quotients<F>> &&
     agrees<F, part::mixture_sampling, mixture_sampling<F>> && agrees<F, part::excess_quantile, excess_quantile<F>> &&
+    agrees<F, part::closed_excess_quantile, closed_excess_quantile<F>> &&
     agrees<F, part::tabulated_inverses, tabulated_inverses<F>> && agrees<F, part::conditional_fall, conditional_fall<F>> &&
     agrees<F, part::float32_sampling_range, float32_sampling_range<F>> &&
     agrees<F, part::started_inversion, started_inversion<F>>;
@@ -143,7 +146,14 @@ struct radial_defaults {
   static constexpr bool float32_arithmetic = (Tabulate & of_survival) == 0;
   // Whether a graph in float32 may have any shape as an argument: its own forms reach 2e-5 there.
   static constexpr bool float32_graphs = true;
+  // Whether arrays are computed from one table for all: of a family without shape parameters, whose functions may
+  // then be long. The functions themselves are called to make the tables.
+  static constexpr bool tables_alone = false;
+  // Whether the tails are no powers at slopes of exp(40): logarithms take longer tables.
+  static constexpr bool slow_tails = false;
   static constexpr bool shape_invariant = true;
+  // Whether all facets have one slope: P22 is zero or infinite, and nothing can be fitted to it.
+  static constexpr bool singular = false;
   static constexpr std::array<parameter, 0> parameters{};
   // Uniforms that a visible normal takes, by the scheme that is continuous in them and by the mixture.
   static constexpr int visible_dimensions =

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from microfacet._checks import closed, integrals
+from microfacet._checks import closed, integrals, symbolic
 from microfacet._checks.check import Check, notebook
 from microfacet._checks.routes import Array
 
@@ -30,6 +30,10 @@ def lambda_of_u(u: Any, alpha: Any) -> Any:
     return lambda_of_x(u / (alpha * mp.sqrt((1 - u) * (1 + u))))
 
 
+def D(u: Any, alpha: Any) -> Any:
+    return mp.exp(-(1 / u**2 - 1) / alpha**2) / (alpha**2 * mp.pi * u**4)
+
+
 def P22(r2: Any, alpha: Any) -> Any:
     return mp.exp(-r2 / alpha**2) / (mp.pi * alpha**2)
 
@@ -43,7 +47,12 @@ def _draw(rng: np.random.Generator, n: int, alpha: float) -> Array:
 
 
 CHECKS: tuple[Check, ...] = (
-    *closed.projected_area(sigma, lambda_of_u, **ENTRY),
+    closed.density(
+        D,
+        r"D(u) = \frac{1}{\pi\alpha^2u^4}\exp\left(-\frac{u^{-2}-1}{\alpha^2}\right)\Theta(u)",
+        **ENTRY,
+    ),
+    *closed.projected_area(sigma, lambda_of_u, symbolic=symbolic.BECKMANN, **ENTRY),
     closed.lambda_of_x(
         lambda_of_x,
         r"$\Lambda$ depends on $x=\cot\theta/\alpha$ alone",

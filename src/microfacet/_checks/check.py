@@ -11,10 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from microfacet._checks.symbolic import REFUTED, Algebra
 
 __all__ = [
     "CLOSED_FORM",
@@ -28,6 +30,7 @@ __all__ = [
     "CheckResult",
     "Route",
     "Sides",
+    "Tally",
     "both",
     "notebook",
     "p_value",
@@ -105,8 +108,8 @@ class CheckItem:
     """One line of the catalogue.
 
     `statement` is prose with formulas between dollar signs, `latex` the identity that it is about.
-    `notebook` tells the statements of the five notebooks from those added to them; `parameters` are the
-    values at which the check runs unless others are given (the notebook's own where it names any).
+    `notebook` tells what the family's notebook states from what the library adds; `parameters` are the values
+    at which the check runs unless others are given (the notebook's own where it names any).
     """
 
     id: str
@@ -121,7 +124,11 @@ class CheckItem:
 
 @dataclass(frozen=True)
 class CheckResult:
-    """The outcome of one check at one set of parameters; the conventions are those of this module."""
+    """The outcome of one check at one set of parameters; the conventions are those of this module.
+
+    `symbolic` is what computer algebra says of it: "confirmed", "refuted", or "not run", for want of SymPy or
+    because the proof is not of these parameters. None: the statement has no such proof.
+    """
 
     id: str
     family: str
@@ -132,13 +139,22 @@ class CheckResult:
     tolerance: float
     passed: bool
     source: str
+    symbolic: str | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The fields as JSON takes them: a number that is not finite, which JSON cannot express, is None."""
         numbers = {name: getattr(self, name) for name in ("lhs", "rhs", "residual", "tolerance")}
         finite = {name: value if math.isfinite(value) else None for name, value in numbers.items()}
         head = {"id": self.id, "family": self.family, "parameters": dict(self.parameters)}
-        return {**head, **finite, "passed": self.passed, "source": self.source}
+        return {**head, **finite, "passed": self.passed, "source": self.source, "symbolic": self.symbolic}
+
+
+class Tally(NamedTuple):
+    """Of the statements of a family's notebook, or of our own: how many there are, were checked, and hold."""
+
+    stated: int
+    checked: int
+    held: int
 
 
 @dataclass(frozen=True)
@@ -161,11 +177,12 @@ class Check:
     fixed
         Those of `parameters` that belong to the statement and cannot be overridden.
     notebook, source
-        Whether the statement is one of a notebook's, and where it is from.
+        Whether the statement is one of the family's notebook, by which `microfacet verify` and the report
+        count, and where it is from: for either, name the notebook with `notebook` below if there is one.
     unless
         ``unless(alpha, shape)`` gives the reason why the statement cannot be evaluated there, or "".
     symbolic
-        Confirms the statement by computer algebra at `parameters`; None where the package for it is absent.
+        A proof of the statement by computer algebra, beside the numbers.
     """
 
     name: str
@@ -178,7 +195,7 @@ class Check:
     notebook: bool = True
     fixed: frozenset[str] = field(default_factory=frozenset)
     unless: Callable[..., str] = lambda *parameters: ""
-    symbolic: Callable[[], bool | None] | None = None
+    symbolic: Algebra | None = None
 
     def item(self, family: str) -> CheckItem:
         return CheckItem(
@@ -204,12 +221,9 @@ class Check:
         with np.errstate(all="ignore"):
             sides = self.sides(kernels, *parameters.values())
             lhs, rhs, residual, tolerance = worst(*sides, self.route, parameters["alpha"])
-        source = self.source
-        if self.symbolic is not None and dict(parameters) == dict(self.parameters):
-            confirmed = self.symbolic()
-            if confirmed is not None:  # SymPy is there
-                source += "; confirmed symbolically" if confirmed else "; refuted symbolically"
-                residual = residual if confirmed else math.inf
+        algebra = None if self.symbolic is None else self.symbolic.verdict(parameters)
+        if algebra == REFUTED:
+            residual = math.inf
         return CheckResult(
             id=f"{family}.{self.name}",
             family=family,
@@ -219,7 +233,8 @@ class Check:
             residual=residual,
             tolerance=tolerance,
             passed=bool(residual <= tolerance),
-            source=source,
+            source=self.source,
+            symbolic=algebra,
         )
 
 

@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
 
-from microfacet._checks import beckmann, bessel_k, ggx, gtr, k0, routes, student_t
-from microfacet._checks.check import Check, CheckItem, CheckResult
-
-# The order of the notebooks; GGX, which is not among them, stands last.
-TABLES = {module.FAMILY: module for module in (beckmann, gtr, student_t, k0, bessel_k, ggx)}
+from microfacet._checks import common, routes
+from microfacet._checks.check import Check, CheckItem, CheckResult, Tally
+from microfacet._family import families as families_of_the_library
 
 
-#: What the second routes have been made for, the contract's ranges with room; beyond, a failure says nothing.
-COVERED = {"alpha": (1e-6, 1e3), "gtr.gamma": (0.01, 50.0), "student_t.gamma": (1.0, 1e6), "a": (0.01, 1e4)}
+def _tables() -> dict[str, Any]:
+    """The module of each family's checks, which has its name, in the order of the library; or `common`."""
+    paths = {family: f"{__package__}.{family.name}" for family in families_of_the_library()}
+    return {
+        family.name: import_module(path) if find_spec(path) else common.table(family)
+        for family, path in paths.items()
+    }
+
+
+TABLES = _tables()
+
+#: The roughnesses that the second routes have been made for; each module says it of its shape parameter.
+COVERED = {"alpha": (1e-6, 1e3)}
 
 
 def catalogue() -> tuple[CheckItem, ...]:
-    """Every check there is, family by family.
+    """Every check there is, family by family, the statements of its notebook among them.
 
-    >>> sum(item.notebook for item in catalogue())
-    53
+    >>> [item.id for item in catalogue()][:2]
+    ['beckmann.density', 'beckmann.sigma_upper']
     """
     return tuple(check.item(family) for family, table in TABLES.items() for check in table.CHECKS)
 
@@ -48,7 +60,7 @@ def run(
     ------
     ValueError
         At the call, not later: an unknown id, family or parameter; a parameter outside a family's domain or
-        outside what the checks cover (`COVERED`).
+        outside what the checks cover, the contract's ranges with room: beyond, a failure says nothing.
 
     Examples
     --------
@@ -59,6 +71,30 @@ def run(
     chosen = _chosen(ids, families)
     _validate(overrides, {family for family, _ in chosen})
     return _results(chosen, grid, overrides)
+
+
+def tallies(results: Iterable[CheckResult]) -> dict[str, dict[str, Tally]]:
+    """How the statements went, family by family: those of the notebook, and the further ones, which are ours.
+
+    A statement holds if it does at all parameters at which it was checked.
+
+    >>> tallies(run(ids=["k0.survival", "k0.lambda_of_x"]))["k0"]["notebook"]
+    Tally(stated=13, checked=1, held=1)
+    """
+    held: dict[str, bool] = {}
+    for result in results:
+        held[result.id] = held.get(result.id, True) and result.passed
+
+    def tally(family: str, notebook: bool) -> Tally:
+        ids = [item.id for item in catalogue() if item.family == family and item.notebook == notebook]
+        return Tally(len(ids), sum(name in held for name in ids), sum(held.get(name, False) for name in ids))
+
+    checked = {name.partition(".")[0] for name in held}
+    return {
+        family: {"notebook": tally(family, True), "further": tally(family, False)}
+        for family in TABLES
+        if family in checked
+    }
 
 
 def _chosen(ids: Iterable[str] | None, families: Iterable[str] | None) -> list[tuple[str, Check]]:
@@ -102,7 +138,8 @@ def _validate(overrides: Mapping[str, float], families: Iterable[str]) -> None:
                 if not domain.lower < value < domain.upper:
                     interval = f"({domain.lower:g}, {domain.upper:g})"
                     raise ValueError(f"{family}: {name} must lie in {interval}, got {value:g}")
-                lowest, highest = COVERED.get(f"{family}.{name}") or COVERED[name]
+                covered_here = COVERED | getattr(TABLES[family], "COVERED", {})
+                lowest, highest = covered_here.get(name, (domain.lower, domain.upper))
                 if not lowest <= value <= highest:
                     covered = f"[{lowest:g}, {highest:g}]"
                     raise ValueError(f"the checks of {family} cover {name} in {covered}, got {value:g}")

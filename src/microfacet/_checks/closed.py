@@ -105,6 +105,30 @@ def projected_area(sigma_form: Form, lambda_form: Form, **entry: Any) -> tuple[C
     )
 
 
+def density(form: Form, latex: str, name: str = "density", remark: str = "", **entry: Any) -> Check:
+    """D as it is printed, `form(u, parameters)` for u > 0, and 0 from the horizon down.
+
+    `remark` ends the statement: what the printed form lacks, or where it breaks down.
+    """
+
+    def sides(k: Any, *parameters: float) -> Sides:
+        u = np.append(routes.cosine(routes.slopes(parameters[0])), routes.incident_cosines(parameters[0]))
+        below = np.concatenate([[0.0, -1.0], -u])
+        return both(
+            (k.D(u, *parameters), routes.exact(form, u, *parameters)),
+            (k.D(below, *parameters), np.zeros(below.size)),
+        )
+
+    return Check(
+        name,
+        r"The density is the printed form above the horizon and 0 below, by the step $\Theta$" + remark,
+        latex,
+        sides,
+        CLOSED_FORM,
+        **entry,
+    )
+
+
 def slopes_from_D(form: Form, latex: str, **entry: Any) -> Check:
     """P22 follows from D; `form(r2, parameters)` is its printed form."""
     name = entry.pop("name", "slopes_from_D")

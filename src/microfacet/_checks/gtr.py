@@ -1,8 +1,4 @@
-"""GTR: the checks of its notebook, and beyond it Lambda, sigma and sampling at any gamma.
-
-The notebook's general forms divide 0 by 0 at gamma = 1, at half-integer and integer gamma and at alpha = 1.
-There they stand for their limits, read off 1e-20 beside the point.
-"""
+"""GTR: the checks of its notebook, and beyond it Lambda, sigma and sampling at any gamma."""
 
 from __future__ import annotations
 
@@ -13,8 +9,24 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from microfacet._checks import closed, ggx, integrals, routes
+from microfacet._checks import closed, ggx, integrals, routes, symbolic
 from microfacet._checks.check import CLOSED_FORM, QUADRATURE, Check, Sides, both, notebook
+from microfacet._checks.gtr_forms import (
+    D_1,
+    D_3_2,
+    P2,
+    P2_1,
+    P2_3_2,
+    P22,
+    P22_1,
+    P22_3_2,
+    D,
+    as_limit,
+    henyey_greenstein,
+    lambda_1,
+    sigma_1,
+    survival,
+)
 from microfacet._checks.routes import Array
 
 FAMILY = "gtr"
@@ -24,88 +36,11 @@ GRID = tuple(
         (1e-4, 0.1, 0.6, 1.0, 1 + 1e-9, 10.0), (0.25, 1.0, 1 + 1e-10, 1.3, 1.5, 2.0, 2.5, 3.0, 6.3, 15.0)
     )
 )
+COVERED = {"gamma": (0.01, 50.0)}  # what the second routes have been made for
 ENTRY: dict[str, Any] = {"parameters": {"alpha": 0.1, "gamma": 1.7}, "source": notebook("GTR")}
 BEYOND: dict[str, Any] = {**ENTRY, "notebook": False}
 AT_1: dict[str, Any] = {**ENTRY, "parameters": {"alpha": 0.1, "gamma": 1.0}, "fixed": frozenset({"gamma"})}
 AT_3_2: dict[str, Any] = {**ENTRY, "parameters": {"alpha": 0.1, "gamma": 1.5}, "fixed": frozenset({"gamma"})}
-
-
-def as_limit(form: Callable[..., Any]) -> Callable[..., Any]:
-    """`form(point, alpha, gamma)`, moved aside where it is 0/0 (see the module)."""
-
-    def moved(point: Any, alpha: Any, gamma: Any) -> Any:
-        aside = mp.mpf(10) ** -20
-        return form(
-            point,
-            alpha + aside if alpha == 1 else alpha,
-            gamma + aside if mp.isint(2 * gamma) else gamma,
-        )
-
-    return moved
-
-
-def D(u: Any, alpha: Any, gamma: Any) -> Any:
-    norm = alpha ** (2 * gamma) * (alpha**2 - 1) * (gamma - 1) / (mp.pi * (alpha ** (2 * gamma) - alpha**2))
-    return norm * (1 + u**2 * (alpha**2 - 1)) ** -gamma
-
-
-def D_1(u: Any, alpha: Any, gamma: Any) -> Any:
-    return (alpha**2 - 1) / (2 * mp.pi * (1 + u**2 * (alpha**2 - 1)) * mp.log(alpha))
-
-
-def D_3_2(u: Any, alpha: Any, gamma: Any) -> Any:
-    return alpha * (1 + alpha) / (2 * mp.pi * mp.sqrt(1 + u**2 * (alpha**2 - 1)) ** 3)
-
-
-def P22(r2: Any, alpha: Any, gamma: Any) -> Any:
-    norm = alpha ** (2 * gamma) * (alpha**2 - 1) * (gamma - 1) / (mp.pi * (alpha ** (2 * gamma) - alpha**2))
-    return norm * (1 + r2) ** (gamma - 2) * (r2 + alpha**2) ** -gamma
-
-
-def P22_1(r2: Any, alpha: Any, gamma: Any) -> Any:
-    return (alpha**2 - 1) / (2 * mp.pi * mp.log(alpha) * (1 + r2) * (r2 + alpha**2))
-
-
-def P22_3_2(r2: Any, alpha: Any, gamma: Any) -> Any:
-    return alpha * (1 + alpha) / (2 * mp.pi * mp.sqrt(1 + r2) * mp.sqrt(r2 + alpha**2) ** 3)
-
-
-def P2(p: Any, alpha: Any, gamma: Any) -> Any:
-    """The notebook's form: two hypergeometric functions beyond their branch point, of which the real part."""
-    half, A, B, power = mp.mpf(1) / 2, p**2 + alpha**2, p**2 + 1, alpha ** (2 * gamma)
-    z, c = B / A, alpha**2 - 1
-    first = 2 * A * (gamma - 2) * mp.hyp2f1(-half, 2 - gamma, 5 * half - gamma, z)
-    first -= c * (2 * gamma - 3) * mp.hyp2f1(half, 2 - gamma, 5 * half - gamma, z)
-    first *= -mp.gamma(gamma - 3 * half) / (c * mp.sqrt(A) ** 3 * mp.gamma(gamma))
-    second = 2 * B ** (gamma - 3 * half) * A**-gamma * mp.gamma(3 * half - gamma) * mp.rgamma(2 - gamma)
-    second *= mp.hyp2f1(half, gamma, gamma - half, z)
-    return power * c * (gamma - 1) / (2 * mp.sqrt(mp.pi) * (power - alpha**2)) * mp.re(first + second)
-
-
-def P2_1(p: Any, alpha: Any, gamma: Any) -> Any:
-    return (1 / mp.sqrt(1 + p**2) - 1 / mp.sqrt(p**2 + alpha**2)) / mp.log(alpha**2)
-
-
-def P2_3_2(p: Any, alpha: Any, gamma: Any) -> Any:
-    A = p**2 + alpha**2
-    m = (alpha**2 - 1) / A
-    return alpha * (mp.ellipk(m) - mp.ellipe(m)) / (mp.pi * (alpha - 1) * mp.sqrt(A))
-
-
-def lambda_1(u: Any, alpha: Any, gamma: Any) -> Any:
-    Q = mp.sqrt(1 + (1 / u**2 - 1) * alpha**2)
-    return (-1 + u * Q + u * mp.log(1 + 1 / u) - u * mp.log(1 + Q)) / (2 * u * mp.log(alpha))
-
-
-def sigma_1(u: Any, alpha: Any, gamma: Any) -> Any:
-    s, R = mp.sqrt(1 - u**2), mp.sqrt(u**2 + alpha**2 - u**2 * alpha**2)
-    logs = u * mp.asinh(u / s) + 2 * u * mp.log(alpha) - u * mp.log((u + R) / s)
-    return (R - 1 + logs) / (2 * mp.log(alpha))
-
-
-def survival(r: Any, alpha: Any, gamma: Any) -> Any:
-    ratio = ((1 + r**2) / (alpha**2 + r**2)) ** (gamma - 1)
-    return (ratio - 1) / (alpha ** (2 - 2 * gamma) - 1)
 
 
 def _draw(rng: np.random.Generator, n: int, alpha: float, gamma: float) -> Array:
@@ -128,6 +63,14 @@ def _special_D(form: Callable[..., Any]) -> Callable[..., Sides]:
         )
 
     return sides
+
+
+def _henyey_greenstein(k: Any, *parameters: float) -> Sides:
+    def scattered(u: Any, alpha: Any, gamma: Any) -> Any:
+        return 4 * henyey_greenstein(2 * u**2 - 1, (1 - alpha) / (1 + alpha))
+
+    u = np.append(routes.cosine(routes.slopes(parameters[0])), [0.01, 0.5, 1.0])
+    return k.D(u, *parameters), routes.exact(scattered, u, *parameters)
 
 
 def _lambda_1(k: Any, *parameters: float) -> Sides:
@@ -179,6 +122,13 @@ def _mixture_range(alpha: float, gamma: float) -> str:
 
 
 CHECKS: tuple[Check, ...] = (
+    closed.density(
+        as_limit(D),
+        r"D(u) = \frac{\alpha^{2\gamma}(\alpha^2-1)(\gamma-1)}{\pi(\alpha^{2\gamma}-\alpha^2)}"
+        r"\,\frac{\Theta(u)}{(1+u^2(\alpha^2-1))^{\gamma}}",
+        remark=r", which the notebook leaves out; $0/0$ stands for its limit",
+        **ENTRY,
+    ),
     Check(
         "gamma_1",
         r"At $\gamma=1$ the general form of $D$ has a limit with a logarithm",
@@ -194,6 +144,17 @@ CHECKS: tuple[Check, ...] = (
         _special_D(D_3_2),
         CLOSED_FORM,
         **AT_3_2,
+    ),
+    Check(
+        "henyey_greenstein",
+        r"At $\gamma=3/2$ GTR is the phase function of Henyey and Greenstein: light along the normal leaves a"
+        r" facet $2\theta$ from the mirror direction, with the density $D/4$ per steradian",
+        r"D(u; \alpha, \tfrac32) = 4\,p_{\mathrm{HG}}(2u^2-1; g), \quad p_{\mathrm{HG}}(c; g) ="
+        r" \frac{1-g^2}{4\pi\,(1+g^2-2gc)^{3/2}}, \quad g = \frac{1-\alpha}{1+\alpha}",
+        _henyey_greenstein,
+        CLOSED_FORM,
+        symbolic=symbolic.HENYEY_GREENSTEIN,
+        **{**AT_3_2, "source": "Henyey and Greenstein 1941", "notebook": False},
     ),
     integrals.normalization(**ENTRY),
     closed.slopes_from_D(
@@ -256,6 +217,7 @@ CHECKS: tuple[Check, ...] = (
         QUADRATURE,
         **AT_1,
     ),
+    integrals.sigma_from_marginal(**AT_1),
     integrals.sigma_delta(**AT_1),
     integrals.lambda_from_marginal(name="lambda", **BEYOND),
     integrals.sigma_delta(name="sigma_delta_general", **BEYOND),

@@ -115,6 +115,25 @@ def lambda_from_marginal(**entry: Any) -> Check:
     )
 
 
+def sigma_from_marginal(**entry: Any) -> Check:
+    """sigma as the mean of what the slopes below cot(theta) show."""
+
+    def sides(k: Any, *parameters: float) -> Sides:
+        u = routes.incident_cosines(parameters[0])
+        both_ways = np.concatenate([u, -u])
+        return k.sigma(both_ways, *parameters), routes.mean_seen(k, both_ways, *parameters)
+
+    return Check(
+        "sigma_from_marginal",
+        r"$\\sigma$ is the mean of what slopes up to $\cot\theta$ show, on both sides of the horizon",
+        r"\sigma(u) = \int_{-\infty}^{\mu} \big(u - p\sqrt{1-u^2}\big)\,P_2(p)\,dp,"
+        r"\quad \mu = \frac{u}{\sqrt{1-u^2}}",
+        sides,
+        QUADRATURE,
+        **entry,
+    )
+
+
 def sigma_delta(cap: Cap | None = None, **entry: Any) -> Check:
     """sigma as the delta integral over D, both sides of the horizon."""
     name = entry.pop("name", "sigma_delta")
@@ -150,6 +169,8 @@ def sampling(draw: Form, latex: str, cap: Cap | None = None, **entry: Any) -> Ch
         inner, mass_of_cap = _inner(cap and cap._replace(slope=lambda *_: 1e-6), *parameters)
         edges = np.unique(k.sample_u(np.arange(1, BINS) / BINS, *parameters))
         edges = edges[edges < routes.cosine(inner)]
+        if edges.size == 0:  # the sampler returns nan, or the normal alone
+            return [np.nan], [1.0]
         cuts = routes.slope_of(edges)
         tail = routes.mass_over_u(k, cuts[0], routes.FAR, *parameters)
         bins = routes.mass_over_u(k, np.append(cuts[1:], inner), cuts, *parameters)

@@ -30,6 +30,10 @@ def sigma(u: Any, alpha: Any) -> Any:
     return max(u, 0) + scale / 4 * mp.exp(-2 * abs(u) / scale)
 
 
+def D(u: Any, alpha: Any) -> Any:
+    return 2 * mp.besselk(0, 2 * mp.sqrt(1 - u**2) / (u * alpha)) / (mp.pi * u**4 * alpha**2)
+
+
 def P22(r2: Any, alpha: Any) -> Any:
     return 2 * mp.besselk(0, 2 * mp.sqrt(r2) / alpha) / (mp.pi * alpha**2)
 
@@ -61,21 +65,70 @@ def _beckmann_mixture(k: Any, alpha: float) -> Sides:
     )
 
 
+def _near_normal(y: Array) -> Array:
+    """K_0(2y) = -(log y + gamma_E)(1 + y^2 + y^4/4) + y^2 + 3 y^4/8 + ..., y -> 0."""
+    return np.asarray(-(np.log(y) + np.euler_gamma) * (1 + y**2 + y**4 / 4) + y**2 + 3 * y**4 / 8)
+
+
 def _singular(k: Any, alpha: float) -> Sides:
-    """With y = tan(theta)/alpha -> 0: K_0(2y) = -(log y + gamma_E)(1 + y^2 + y^4/4) + y^2 + 3 y^4/8 + ..."""
+    """With y = tan(theta)/alpha -> 0."""
     u = 1 - alpha**2 * 2.0 ** -np.arange(24.0, 44.0, 4.0)
     u = np.minimum(u, 1 - 2.0**-52)
-    y = routes.slope_of(u) / alpha
-    law = -(np.log(y) + np.euler_gamma) * (1 + y**2 + y**4 / 4) + y**2 + 3 * y**4 / 8
     scale = np.pi * alpha**2
     return both(
-        (scale / 2 * u**4 * k.D(u, alpha), law),
+        (scale / 2 * u**4 * k.D(u, alpha), _near_normal(routes.slope_of(u) / alpha)),
         ([1 / k.D(1.0, alpha)], [0.0]),
         ([scale * routes.kernels("beckmann").D(1.0, alpha)], [1.0]),
     )
 
 
+OFF_MIRROR = np.array([1e-2, 1e-4, 1e-8])  # radians
+
+
+def _printed_brdf(off: Any, incidence: Any, alpha: Any) -> Any:
+    """Of a mirror, in the plane of incidence: the facets that are seen lean by half of `off`."""
+    ui, uo, um = mp.cos(incidence), mp.cos(incidence + off), mp.cos(off / 2)
+    hidden = sum(lambda_of_u(u, alpha) for u in (ui, uo) if u < 1)
+    return P22(mp.tan(off / 2) ** 2, alpha) / um**4 / (4 * ui * uo * (1 + hidden))
+
+
+def _brdf(k: Any, alpha: float) -> Sides:
+    """At 1 rad by slopes, for the cosine of half of 1e-8 rounds to 1; at the normal by the material."""
+    import microfacet as mf
+
+    def at_1_rad(rough: float) -> Array:
+        ui, uo, um = np.cos(1.0), np.cos(1.0 + OFF_MIRROR), np.cos(OFF_MIRROR / 2)
+        G2 = 1 / (1 + k.Lambda(ui, rough) + k.Lambda(uo, rough))
+        return np.asarray(k.P22(np.tan(OFF_MIRROR / 2), 0.0, rough) / um**4 * G2 / (4 * ui * uo))
+
+    def at_normal(ndf: Any, off: Array) -> Array:
+        wo = np.stack([np.sin(off), np.zeros_like(off), np.cos(off)], axis=-1)
+        return np.asarray(mf.Conductor(ndf).eval([0.0, 0.0, 1.0], wo) / wo[:, 2])
+
+    def printed(incidence: float, rough: float) -> Array:
+        return routes.exact(_printed_brdf, [[off, incidence] for off in OFF_MIRROR.tolist()], rough)
+
+    pairs: list[Sides] = []
+    for rough in (alpha, 10 * alpha, 100 * alpha):
+        k0, mirror, scale = mf.K0(alpha=rough), np.zeros(1), 2 * np.pi * rough**2
+        near = at_normal(k0, OFF_MIRROR)
+        pairs += [
+            (at_1_rad(rough), printed(1.0, rough)),
+            (near, printed(0.0, rough)),
+            (scale * near[-1:], _near_normal(OFF_MIRROR[-1:] / (2 * rough))),
+            (1 / at_normal(k0, mirror), [0.0]),
+            (2 * scale * at_normal(mf.Beckmann(alpha=rough), mirror), [1.0]),
+        ]
+    return both(*pairs)
+
+
 CHECKS: tuple[Check, ...] = (
+    closed.density(
+        D,
+        r"D(u) = \frac{2\,\Theta(u)}{\pi\alpha^2u^4}\,K_0\Big(\frac{2\sqrt{1-u^2}}{u\,\alpha}\Big)",
+        remark="; at $u=1$ it has no value",
+        **ENTRY,
+    ),
     *closed.projected_area(sigma, lambda_of_u, **ENTRY),
     closed.lambda_of_x(
         lambda_of_x,
@@ -100,6 +153,16 @@ CHECKS: tuple[Check, ...] = (
         _singular,
         CLOSED_FORM,
         **integrals.where_cosines_resolve({**ENTRY, "parameters": {"alpha": 0.5}}),
+    ),
+    Check(
+        "brdf_singular",
+        r"However rough, the BRDF of a mirror is infinite in the mirror direction: towards it, at $\delta$ of"
+        r" $10^{-2}$, $10^{-4}$ and $10^{-8}$ rad, it grows like $-\ln\delta$, even for $100\alpha$",
+        r"4\pi\alpha^2 u_i u_o\,(1+\Lambda_i+\Lambda_o)\,\cos^4\tfrac{\delta}{2}\,f = 2K_0(2t)"
+        r" = -2\ln t - 2\gamma_E + o(1) \to \infty, \quad t = \frac{\tan(\delta/2)}{\alpha}",
+        _brdf,
+        CLOSED_FORM,
+        **{**ENTRY, "parameters": {"alpha": 0.5}},
     ),
     closed.shape_invariant(
         lambda y: 2 * mp.besselk(0, 2 * y) / mp.pi,

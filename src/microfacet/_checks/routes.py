@@ -126,7 +126,8 @@ def integrate_exponent(
     first, last, *rest = (
         np.asarray(a)[..., np.newaxis] for a in np.broadcast_arrays(lower, upper, *arguments)
     )
-    count = max(panels, int(np.ceil(np.max(last - first))))
+    width = last - first
+    count = max(panels, int(np.ceil(np.max(width, initial=1.0, where=np.isfinite(width)))))
     nodes, weights = np.polynomial.legendre.leggauss(24)
     place = ((np.arange(count)[:, np.newaxis] + (nodes + 1) / 2) / count).ravel()
     values = function(first + (last - first) * place, *rest) * np.tile(weights, count)
@@ -204,6 +205,32 @@ def mean_excess(k: Any, mu: Array, *parameters: float) -> Array:
     return integrate(lambda z, mu: z * k.P2(mu + z, *parameters), NEAR * parameters[0], FAR, mu)
 
 
+def mean_seen(k: Any, u: Array, *parameters: float) -> Array:
+    """int_{-inf}^{cot(theta)} (u - p sin(theta)) P2(p) dp, that is sigma.
+
+    For u > 0 the integrand as it stands, split at p = 0. For u < 0, where it would cancel, the variable is
+    the excess of -p over |cot(theta)|; P2 is even.
+    """
+    s, least = np.sqrt((1 - u) * (1 + u)), NEAR * parameters[0]
+
+    def shown(p: Array, u: Array, s: Array) -> Array:
+        return np.asarray((u - p * s) * k.P2(p, *parameters), dtype=np.float64)
+
+    cot = np.abs(u) / s
+    falling = integrate(lambda p, u, s: shown(-p, u, s), least, FAR, u, s)
+    return np.where(u > 0, falling + integrate(shown, least, cot, u, s), s * mean_excess(k, cot, *parameters))
+
+
 def chi_square(counts: NDArray[np.int_], expected: Array) -> tuple[float, float]:
     """Pearson's statistic and its degrees of freedom."""
     return float(np.sum((counts - expected) ** 2 / expected)), float(len(counts) - 1)
+
+
+def uniform_average(function: Callable[..., Any], points: ArrayLike) -> Array:
+    """Mean of ``function(m, point)`` over m uniform in (0, 1), of which exp(-60) is left out.
+
+    Where `function` is a tail, all its weight lies in the last 1/400, which 24 nodes on 1/16 resolve.
+    """
+    return integrate_exponent(
+        lambda y, point: np.exp(y) * function(np.exp(y), point), -60.0, 0.0, points, panels=1000
+    )

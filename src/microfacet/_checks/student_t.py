@@ -20,6 +20,7 @@ GRID = tuple(
         (1e-4, 0.1, 0.7, 1.0, 10.0), (1.5001, 1.51, 1.6, 2.0, 2.3, 2.5, 3.0, 10.0, 1e3, 1e6)
     )
 )
+COVERED = {"gamma": (1.0, 1e6)}  # what the second routes have been made for
 ENTRY: dict[str, Any] = {"parameters": {"alpha": 0.7, "gamma": 3.0}, "source": notebook("Student-T")}
 EXACT = {**ENTRY, "parameters": {"alpha": 1 / 3, "gamma": 3.0}}
 BEYOND: dict[str, Any] = {**ENTRY, "notebook": False}
@@ -57,6 +58,10 @@ def lambda_of_x(x: Any, gamma: Any) -> Any:
     regularized = mp.hyp2f1(k, k + half, gamma, -k / x**2) / mp.gamma(gamma)
     rest = x ** (1 - 2 * k) * (2 * gamma - 3) * regularized / k
     return k**gamma * mp.gamma(k - half) / (4 * mp.sqrt(mp.pi) * x) * (power - rest)
+
+
+def D(u: Any, alpha: Any, gamma: Any) -> Any:
+    return (1 + (1 - u**2) / (u**2 * alpha**2 * (gamma - 1))) ** -gamma / (mp.pi * u**4 * alpha**2)
 
 
 def P22(r2: Any, alpha: Any, gamma: Any) -> Any:
@@ -106,7 +111,13 @@ def _beckmann_limit(k: Any, alpha: float, gamma: float) -> Sides:
 
 
 CHECKS: tuple[Check, ...] = (
-    *closed.projected_area(sigma, lambda_of_u, symbolic=symbolic.student_t_projected_area, **EXACT),
+    closed.density(
+        D,
+        r"D(u) = \frac{\Theta(u)}{\pi\alpha^2u^4}"
+        r"\left(1+\frac{1-u^2}{u^2\alpha^2(\gamma-1)}\right)^{-\gamma}",
+        **ENTRY,
+    ),
+    *closed.projected_area(sigma, lambda_of_u, symbolic=symbolic.STUDENT_T, **EXACT),
     closed.lambda_of_x(
         lambda_of_x,
         r"$\Lambda$ depends on $x=\cot\theta/\alpha$ and on $\gamma$ alone",

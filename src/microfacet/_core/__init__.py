@@ -39,8 +39,9 @@ isa = _chosen()
 _kernels = import_module(f"{__name__}.{isa}")
 families = _kernels.families
 exp = _kernels.exp
-radial = _kernels.radial
+radial, prepared = _kernels.radial, _kernels.prepared
 roughness = _kernels.roughness
+slopes = _kernels.slopes
 fresnel_dielectric = _kernels.fresnel_dielectric
 fresnel_conductor = _kernels.fresnel_conductor
 globals().update({name: getattr(_kernels, name) for name in families})

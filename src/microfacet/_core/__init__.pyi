@@ -10,7 +10,15 @@ gtr: ModuleType
 student_t: ModuleType
 k0: ModuleType
 bessel_k: ModuleType
-radial: ModuleType  # densities of the user's own, by handle
+ei: ModuleType
+erfc: ModuleType
+double_ggx: ModuleType
+generalised_exponential: ModuleType
+exponential: ModuleType
+dirac: ModuleType
+radial: ModuleType  # densities of the user's own, by handle: with tables that are searched,
+prepared: ModuleType  # and with tables like a family's
+slopes: ModuleType  # densities on grids of slopes, by handle
 families: tuple[str, ...]
 roughness: tuple[float, float]  # the open interval of alpha
 

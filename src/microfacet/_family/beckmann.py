@@ -32,6 +32,7 @@ TEXT = FamilyText(
         "sample_slope": "r = alpha sqrt(-log(1 - xi))",
     },
     at=(0.3,),
+    figures=((0.5,), (0.7,), (1.3,)),
     values=(
         0.397861,
         2.02924,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from microfacet._core import bessel_k as _kernels
-from microfacet._family.text import QUANTITIES, FamilyText, documented
+from microfacet._family.text import QUANTITIES, FamilyText, ShapeText, documented
 from microfacet._frozen import StretchedDistribution
 
 __all__ = [*QUANTITIES, "BesselK"]
@@ -30,7 +30,15 @@ class BesselK(StretchedDistribution):
 TEXT = FamilyText(
     cls=BesselK,
     title="Bessel K",
-    parameters={"a": ("Shape of the mixing distribution", "1 is K0. Below 1e-300 it counts as 1e-300.")},
+    parameters={
+        "a": ShapeText(
+            "Shape of the mixing distribution",
+            "1 is K0. Below 1e-300 it counts as 1e-300.",
+            (0.6, 1.0, 4.0),
+            pictured=0.5,
+        )
+    },
+    figures=((0.5, 1.6), (2.1, 1.5), (0.7, 1.3)),
     formulas={
         "D": (
             "D(u) = 2 y^(a-1) K_{a-1}(2 y)/(pi alpha^2 Gamma(a) u^4),  y = tan(theta)/alpha, inf at u "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from microfacet._core import gtr as _kernels
-from microfacet._family.text import QUANTITIES, FamilyText, documented
+from microfacet._family.text import QUANTITIES, FamilyText, ShapeText, documented
 from microfacet._frozen import IsotropicDistribution
 
 __all__ = [*QUANTITIES, "GTR"]
@@ -22,7 +22,12 @@ class GTR(IsotropicDistribution):
 TEXT = FamilyText(
     cls=GTR,
     title="GTR",
-    parameters={"gamma": ("Exponent", "2 is GGX. gamma = 1 and alpha = 1, the sphere, are exact.")},
+    parameters={
+        "gamma": ShapeText(
+            "Exponent", "2 is GGX. gamma = 1 and alpha = 1, the sphere, are exact.", (1.0, 1.5, 3.0)
+        )
+    },
+    figures=((0.5, 1.5), (0.1, 1.0), (0.2, 1.0)),
     formulas={
         "D": (
             "D(u) = C (1 + u^2 (alpha^2 - 1))^-gamma,  C = (gamma-1) (alpha^2-1)/(pi (1 - alpha^(2-2 gamma)))"

@@ -29,6 +29,7 @@ TEXT = FamilyText(
         "survival": "T(r) = 2 y K_1(2 y),  y = r/alpha",
     },
     at=(0.3,),
+    figures=((0.5,), (0.8,), (1.7,)),
     values=(
         0.287843,
         1.53071,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from microfacet._core import student_t as _kernels
-from microfacet._family.text import QUANTITIES, FamilyText, documented
+from microfacet._family.text import QUANTITIES, FamilyText, ShapeText, documented
 from microfacet._frozen import StretchedDistribution
 
 __all__ = [*QUANTITIES, "StudentT"]
@@ -35,7 +35,8 @@ class StudentT(StretchedDistribution):
 TEXT = FamilyText(
     cls=StudentT,
     title="Student-T",
-    parameters={"gamma": ("Tail index", "2 is GGX.")},
+    parameters={"gamma": ShapeText("Tail index", "2 is GGX.", (1.7, 2.0, 5.0), pictured=3.0)},
+    figures=((0.5, 3.0), (0.7, 3.0), (1.2, 2.3)),
     formulas={
         "D": "D(u) = (1 + tan^2(theta)/(alpha^2 k))^-gamma/(pi alpha^2 u^4),  k = gamma - 1",
         "P22": "P22(p, q) = (1 + (p^2 + q^2)/(alpha^2 k))^-gamma/(pi alpha^2),  k = gamma - 1",

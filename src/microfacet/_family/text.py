@@ -1,4 +1,4 @@
-"""Docstrings of the families: what is the same for every family is written here once.
+"""What a family says of itself in Python, and its docstrings: what is the same for all is written once.
 
 A family module states its formulas and the values of its examples in a `FamilyText`. `documented` joins them
 with the meaning, domain and behaviour of each quantity, and with the parameters that the header states.
@@ -17,7 +17,32 @@ import numpy as np
 from microfacet import _core
 from microfacet._docs import QUANTITIES
 
-__all__ = ["QUANTITIES", "FamilyText", "documented"]
+__all__ = ["QUANTITIES", "FamilyText", "ShapeText", "documented"]
+
+
+@dataclass(frozen=True)
+class ShapeText:
+    """What a family says of its shape parameter; the interval is in the header.
+
+    Attributes
+    ----------
+    meaning : str
+        What it is, in two or three words: also the help of the command line's option.
+    note : str
+        What else is to be said of it, in sentences.
+    examples : tuple of float
+        Ascending values that show what it does; figures set them side by side, tests run at them.
+    pictured : float, optional
+        The value in pictures where none is given; otherwise the middle one of `examples`.
+    fitted : (float, float), optional
+        Between which values fits search; otherwise most of the interval (`registry.searched`).
+    """
+
+    meaning: str
+    note: str
+    examples: tuple[float, ...]
+    pictured: float | None = None
+    fitted: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -36,8 +61,10 @@ class FamilyText:
         The parameters of the examples.
     values : tuple of float
         The value of each of `QUANTITIES` in its example, to six significant digits.
-    parameters : mapping of str to (str, str)
-        What each shape parameter is, and what else is to be said of it; its interval is in the header.
+    parameters : mapping of str to ShapeText
+        What there is to say of each shape parameter.
+    figures : tuple of tuple of float, optional
+        The parameters of three figures of the report: the curves, the two routes to sigma, the samples.
     """
 
     cls: type[Any]
@@ -45,7 +72,8 @@ class FamilyText:
     formulas: Mapping[str, str]
     at: tuple[float, ...]
     values: tuple[float, ...]
-    parameters: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    parameters: Mapping[str, ShapeText] = field(default_factory=dict)
+    figures: tuple[tuple[float, ...], ...] = ()
 
 
 FORMULAS: Mapping[str, str] = {
@@ -99,9 +127,10 @@ def _shape(family: FamilyText, densities: str = "") -> list[tuple[str, str]]:
     """The shape parameters and what they are, with `densities` where theirs is a wider interval."""
     described = []
     for name, lower, upper, of_densities in family.cls.kernels.parameters:
-        meaning, note = family.parameters[name]
+        said = family.parameters[name]
         wider = densities.format(name=name, lower=of_densities) if of_densities < lower else ""
-        described.append((name, f"{meaning} (dimensionless), in {_interval(lower, upper)}; {note}{wider}"))
+        interval = _interval(lower, upper)
+        described.append((name, f"{said.meaning} (dimensionless), in {interval}; {said.note}{wider}"))
     return described
 
 

@@ -4,8 +4,12 @@
 #include <drjit/autodiff.h>
 #include <drjit/jit.h>
 
+#include <string_view>
+#include <tuple>
+
 #include "../../../src/microfacet/mitsuba/plugin/drjit_scalar.hpp"
 #include "families_on.hpp"
+#include "microfacet/family/all.hpp"
 
 namespace {
 
@@ -16,7 +20,16 @@ bool llvm_runs() {
 }
 
 // Thousands of steps, each of them traced, are what a prepared density is for.
-bool few_steps(std::string_view family) { return family != "gtr" && family != "bessel_k"; }
+bool few_steps(std::string_view name) {
+  bool few = false;
+  const auto look = [&]<class Tag>(Tag) {
+    using family = typename Tag::template type<double>;
+    if (family::name == name)
+      few = !family::tables_alone && (family::tabulate & microfacet::of_survival) == 0;
+  };
+  std::apply([&](auto... tags) { (look(tags), ...); }, microfacet::all_families{});
+  return few;
+}
 
 template <class Array>
 struct traced {
