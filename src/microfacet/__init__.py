@@ -1,4 +1,4 @@
-"""Microfacet normal distribution functions: Beckmann, GGX, GTR, Student-T, K0 and Bessel K, exact.
+"""Microfacet normal distribution functions: Beckmann, GGX, GTR, Student-T, K0, Bessel K and more.
 
 Elementwise functions are ufuncs in one namespace per family, ``microfacet.student_t.sigma(u, alpha, gamma)``.
 Frozen distributions work on directions, ``microfacet.StudentT(alpha=0.3, gamma=2.5).D(m)``. `families()` says
@@ -20,14 +20,37 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from microfacet._family import Family, Parameter, beckmann, bessel_k, families, ggx, gtr, k0, student_t
+from microfacet._family import (
+    Family,
+    Parameter,
+    beckmann,
+    bessel_k,
+    dirac,
+    double_ggx,
+    ei,
+    erfc,
+    exponential,
+    families,
+    generalised_exponential,
+    ggx,
+    gtr,
+    k0,
+    student_t,
+)
 from microfacet._family.beckmann import Beckmann
 from microfacet._family.bessel_k import BesselK
+from microfacet._family.dirac import Dirac
+from microfacet._family.double_ggx import DoubleGGX
+from microfacet._family.ei import Ei
+from microfacet._family.erfc import Erfc
+from microfacet._family.exponential import Exponential
+from microfacet._family.generalised_exponential import GeneralisedExponential
 from microfacet._family.ggx import GGX
 from microfacet._family.gtr import GTR
 from microfacet._family.k0 import K0
 from microfacet._family.student_t import StudentT
 from microfacet._radial import RadialNDF
+from microfacet._slope_table import SlopeTable
 
 if TYPE_CHECKING:
     from microfacet import testing
@@ -42,6 +65,7 @@ if TYPE_CHECKING:
         fresnel_conductor,
         fresnel_dielectric,
     )
+    from microfacet._density_files import read_density
     from microfacet._export import export
     from microfacet._export.arrays import array_functions
     from microfacet._fit import FitResult, Goodness, ScaleFit, TableFit, fit, fit_scales, fit_table
@@ -57,6 +81,7 @@ if TYPE_CHECKING:
         sample_terrain,
         synthesize,
     )
+    from microfacet._user_family import UserFamily
 
 __all__ = [
     "GGX",
@@ -67,8 +92,14 @@ __all__ = [
     "Conductor",
     "Dielectric",
     "Diffuse",
+    "Dirac",
+    "DoubleGGX",
+    "Ei",
+    "Erfc",
+    "Exponential",
     "Family",
     "FitResult",
+    "GeneralisedExponential",
     "Goodness",
     "KullaConty",
     "LookupTexture",
@@ -77,16 +108,23 @@ __all__ = [
     "Roughness",
     "ScaleFit",
     "SlopeSample",
+    "SlopeTable",
     "StudentT",
     "Surface",
     "SurfaceError",
     "TableFit",
     "Turquin",
+    "UserFamily",
     "__version__",
     "array_functions",
     "bake",
     "beckmann",
     "bessel_k",
+    "dirac",
+    "double_ggx",
+    "ei",
+    "erfc",
+    "exponential",
     "export",
     "families",
     "fit",
@@ -95,12 +133,14 @@ __all__ = [
     "fresnel_average",
     "fresnel_conductor",
     "fresnel_dielectric",
+    "generalised_exponential",
     "get_cmake_dir",
     "get_include",
     "ggx",
     "gtr",
     "k0",
     "lookup_texture",
+    "read_density",
     "read_normal_map",
     "read_slopes",
     "read_surface",
@@ -124,6 +164,7 @@ _LAZY = {
     "fresnel_conductor": "microfacet._bsdf",
     "fresnel_dielectric": "microfacet._bsdf",
     "LookupTexture": "microfacet._bake",
+    "read_density": "microfacet._density_files",
     "array_functions": "microfacet._export.arrays",
     "bake": "microfacet._bake",
     "export": "microfacet._export",
@@ -145,6 +186,7 @@ _LAZY = {
     "roughness": "microfacet._surface",
     "sample_terrain": "microfacet._surface",
     "synthesize": "microfacet._surface",
+    "UserFamily": "microfacet._user_family",
 }
 
 

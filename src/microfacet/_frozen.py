@@ -52,6 +52,11 @@ class Distribution(Sampling):
         """The parameters by name, as the constructor takes them."""
         return dict(zip(self._names, self._values, strict=True))
 
+    @property
+    def _identity(self) -> str:
+        """What tells the density at roughness 1 from those of other families, as tables note it."""
+        return self.family
+
     def __getattr__(self, name: str) -> float:
         if name in type(self)._names:
             return self._values[type(self)._names.index(name)]
@@ -79,8 +84,13 @@ class Distribution(Sampling):
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._names]
 
+    @property
+    def _arguments(self) -> tuple[float, ...]:
+        """What the kernels take for this distribution."""
+        return self._values
+
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
-        return getattr(self.kernels, f"isotropic_{quantity}"), self._values
+        return getattr(self.kernels, f"isotropic_{quantity}"), self._arguments
 
 
 def _rebuild(cls: type[Distribution], values: tuple[float, ...]) -> Distribution:
@@ -99,12 +109,12 @@ class StretchedDistribution(Distribution):
         cls._names = ("alpha_x", "alpha_y", "rotation", *(name for name, *_ in cls.kernels.parameters))
 
     def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
-        x, y, rotation, *shape = self._values
+        x, y, rotation, *shape = self._arguments
         isotropic = getattr(self.kernels, f"isotropic_{quantity}", None)
         # A rotation that changes no density still changes samples.
         if isotropic is not None and x == y and (rotation == 0.0 or quantity != "sample"):
             return isotropic, (x, *shape)
-        return getattr(self.kernels, f"stretched_{quantity}"), self._values
+        return getattr(self.kernels, f"stretched_{quantity}"), self._arguments
 
     # A family with a shape parameter has a constructor of its own.
     def __init__(

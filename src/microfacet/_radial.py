@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from microfacet._core import radial
+from microfacet._core import prepared, radial
+from microfacet._densities.constructors import Constructors
 from microfacet._frozen import StretchedDistribution
 
 __all__ = ["RadialNDF"]
@@ -21,8 +22,9 @@ __all__ = ["RadialNDF"]
 Array = NDArray[np.float64]
 Function = Callable[[Any], Any]
 
-# log r where a density is looked at: slopes below and above decide nothing in double precision.
-_LOG_SLOPES = np.arange(-690.0, 85.5, 0.5)
+# log r where a density is looked at: slopes below and above decide nothing in double precision. Densely where
+# a ring may lie.
+_LOG_SLOPES = np.unique(np.concatenate((np.arange(-690.0, 85.5, 0.5), np.arange(-1600, 1601) / 128)))
 _TINY, _HUGE = 1e-290, 1e290
 
 
@@ -101,14 +103,15 @@ class _Density:
         _refuse(name, x, values, matters)
         self.lower, self.upper = float(x[first]), float(x[-1])
         self.end = self.upper if last + 1 == len(x) else float(x[last + 1])
+        self.last = float(x[last])
         logs = np.log(values[first : last + 1])
-        self.low_power = float(logs[2] - logs[0]) if len(logs) > 2 else 0.0
+        self.low_power = float((logs[2] - logs[0]) / (x[first + 2] - x[first])) if len(logs) > 2 else 0.0
         self.high_power = float(logs[-1] - logs[-3]) if last + 1 == len(x) else -np.inf
         self.first = float(values[first])
 
     def __call__(self, log_r: Array) -> Array:
         values = _values(self.name, self.function, log_r)
-        near = log_r < self.end - 0.5
+        near = log_r < self.last
         _refuse(self.name, log_r, values, near & ~(values >= 0.0) | near & np.isinf(values) | (values < 0.0))
         return np.where(np.isfinite(values), values, 0.0)
 
@@ -139,7 +142,14 @@ def _same(density: _Density, survival: _Density, norm: float) -> None:
         )
 
 
-class RadialNDF(StretchedDistribution):
+class _Kernels:
+    """The kernels that read the tables of a density."""
+
+    def __get__(self, ndf: RadialNDF | None, owner: type) -> Any:
+        return prepared if getattr(ndf, "_prepared", False) else radial
+
+
+class RadialNDF(Constructors, StretchedDistribution):
     """Slopes with a radial density of your own, which need not be normalised, and all that follows from it.
 
     Parameters
@@ -188,12 +198,13 @@ class RadialNDF(StretchedDistribution):
     2.78416 0.00361756
     """
 
-    __slots__ = ("_capsule", "_digest", "_handle", "error", "norm")
-    kernels = radial
+    __slots__ = ("_capsule", "_digest", "_handle", "_prepared", "error", "norm")
+    kernels = _Kernels()
     norm: float
     error: float
     _handle: float
     _digest: bytes
+    _prepared: bool
 
     def __init__(
         self,
@@ -221,15 +232,19 @@ class RadialNDF(StretchedDistribution):
             _same(density, above, norm)
         self._keep(table, norm, error)
 
-    def _keep(self, table: tuple[Any, float], norm: float, error: float) -> None:
+    def _keep(self, table: tuple[Any, float, bool], norm: float, error: float) -> None:
         digest = hashlib.sha256(radial.dump(table[1])).digest()
-        names = ("_capsule", "_handle", "norm", "error", "_digest")
+        names = ("_capsule", "_handle", "_prepared", "norm", "error", "_digest")
         for name, value in zip(names, (*table, norm, error, digest), strict=True):
             object.__setattr__(self, name, value)
 
-    def _kernel(self, quantity: str) -> tuple[Any, tuple[float, ...]]:
-        kernel, values = super()._kernel(quantity)
-        return kernel, (*values, self._handle)
+    @property
+    def _arguments(self) -> tuple[float, ...]:
+        return (*self._values, self._handle)
+
+    @property
+    def _identity(self) -> str:
+        return self._digest.hex()
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -241,7 +256,7 @@ class RadialNDF(StretchedDistribution):
 
     def __repr__(self) -> str:
         inside = ", ".join(f"{name}={value!r}" for name, value in self.parameters.items())
-        return f"<RadialNDF {self._digest.hex()[:8]}: {inside}>"
+        return f"<RadialNDF {self._digest.hex()[:8]}: {inside}, error={self.error:.1e}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (type(self), self._values, radial.dump(self._handle), self.norm, self.error)

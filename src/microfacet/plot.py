@@ -17,12 +17,15 @@ This module needs matplotlib: the extra ``plot``, ``pip install ".[plot]"`` in a
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from microfacet._family import families
+from microfacet._family.looks import look, symbol
 from microfacet._optional import needed
 
 with needed("microfacet.plot needs"):
@@ -44,35 +47,26 @@ __all__ = [
     "short_parameters",
     "sigma",
     "slope_histogram",
+    "style",
 ]
 
 Array = NDArray[np.float64]
 
-#: One colour and one dash pattern per family; each reads on white and on near-black, and the dashes
-#: tell the families apart without colour.
-COLORS = {
-    "beckmann": "#3d7fc9",
-    "ggx": "#d9662b",
-    "gtr": "#9166c2",
-    "student_t": "#2c9a76",
-    "k0": "#d6496f",
-    "bessel_k": "#a88514",
-}
-DASHES: dict[str, Any] = {
-    "beckmann": (0, (6, 2)),
-    "ggx": "-",
-    "gtr": (0, (6, 1.5, 1.2, 1.5)),
-    "student_t": (0, (3, 1.2)),
-    "k0": (0, (1.4, 1.2)),
-    "bessel_k": (0, (4, 1.2, 1.2, 1.2, 1.2, 1.2)),
-}
-_GREEK = {
-    "alpha": r"\alpha",
-    "gamma": r"\gamma",
-    "alpha_x": r"\alpha_x",
-    "alpha_y": r"\alpha_y",
-    "rotation": r"\rho",
-}
+_LOOKS = {family.name: look(number) for number, family in enumerate(families())}
+#: One colour and one dash pattern per family; each reads on white and on near-black, and the dashes tell the
+#: families apart without colour.
+COLORS = {name: color for name, (color, _) in _LOOKS.items()}
+DASHES: dict[str, Any] = {name: dashes for name, (_, dashes) in _LOOKS.items()}
+
+
+def style(family: str) -> tuple[str, Any]:
+    """The colour and the dashes of a family, or of densities of one's own of that name.
+
+    >>> style("ggx")
+    ('#d9662b', '-')
+    """
+    number = len(COLORS) + zlib.crc32(family.encode()) % 12
+    return (COLORS[family], DASHES[family]) if family in COLORS else look(number)
 
 
 def short_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
@@ -97,9 +91,7 @@ def label(parameters: Mapping[str, float]) -> str:
     >>> label({"alpha": 0.5, "gamma": 2.0})
     '$\\alpha = 0.5,\\ \\gamma = 2$'
     """
-    terms = (
-        f"{_GREEK.get(name, name)} = {value:.4g}" for name, value in short_parameters(parameters).items()
-    )
+    terms = (f"{symbol(name)} = {value:.4g}" for name, value in short_parameters(parameters).items())
     return "$" + r",\ ".join(terms) + "$"
 
 
@@ -185,7 +177,7 @@ def histogram(
     ax = plt.gca() if ax is None else ax
     u = np.asarray(ndf.sample(np.random.default_rng(seed).random((n, 2))))[..., 2]
     counts, edges = np.histogram(u, bins=bins, range=(0.0, 1.0))
-    ax.stairs(counts / (n / bins), edges, fill=True, color=COLORS[ndf.family], alpha=0.3, label="samples")
+    ax.stairs(counts / (n / bins), edges, fill=True, color=style(ndf.family)[0], alpha=0.3, label="samples")
     centre = np.linspace(0.0, 1.0, 801)[1:-1]
     azimuths = np.linspace(
         0.0, np.pi, 1 if "alpha" in short_parameters(ndf.parameters) else 64, endpoint=False
@@ -250,7 +242,8 @@ def turned(ndf: Distribution, azimuth: float) -> Distribution:
     if "alpha_x" not in parameters:  # isotropic
         return ndf
     parameters["rotation"] = parameters.get("rotation", 0.0) - azimuth
-    rotated: Distribution = type(ndf)(**parameters)
+    make: Any = getattr(ndf, "with_roughness", type(ndf))
+    rotated: Distribution = make(**parameters)
     return rotated
 
 
@@ -268,9 +261,10 @@ def _slopes(ndf: Distribution, extent: float | None) -> Array:
 
 def _draw(ax: Axes | None, ndf: Distribution, x: Array, y: Array, line: Mapping[str, Any]) -> Axes:
     ax = plt.gca() if ax is None else ax
-    style = {"color": COLORS[ndf.family], "linestyle": DASHES[ndf.family], "label": label(ndf.parameters)}
+    color, dashes = style(ndf.family)
+    drawn = {"color": color, "linestyle": dashes, "label": label(ndf.parameters)}
     finite = np.isfinite(y)
-    ax.plot(x[finite], y[finite], **(style | dict(line)))
+    ax.plot(x[finite], y[finite], **(drawn | dict(line)))
     return ax
 
 
@@ -291,5 +285,6 @@ def _peak_cut(ax: Axes, p: Array, values: Array) -> Axes:
     """Ordinate from 0. A singular peak is cut at thrice the density beside it, or it would hide the rest."""
     beside = float(values[np.abs(p) > 0.03 * p[-1]].max())
     top = min(1.05 * float(values[np.isfinite(values)].max()), 3.0 * beside)
-    ax.set_ylim(0.0, top if len(ax.lines) < 2 else max(top, ax.get_ylim()[1]))
+    if top > 0.0:
+        ax.set_ylim(0.0, top if len(ax.lines) < 2 else max(top, ax.get_ylim()[1]))
     return ax

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 import microfacet as mf
+from microfacet._radial import RadialNDF
+from microfacet._user_family import UserFamily, family_of
 
-__all__ = ["KINDS", "Recipe", "grid", "names_of", "one_of", "recipe", "shape_name"]
+__all__ = ["KINDS", "Recipe", "entry_of", "grid", "names_of", "one_of", "recipe", "shape_name"]
 
 KINDS = ("albedo", "energy", "split_sum", "bsdf")
 MATERIALS = ("conductor", "dielectric")
@@ -37,6 +39,8 @@ class Recipe:
     scattering: str
     walks: int
     seed: int
+    density: str = ""  # which one of one's own, by its tables
+    entry: Any = field(default=None, compare=False, repr=False)  # the record of the family
 
     @property
     def outer(self) -> dict[str, Grid]:
@@ -79,6 +83,8 @@ class Recipe:
             stated |= {"eta": next(iter(self.eta), None), "k": self.k}
         if self.scattering:
             stated["scattering"] = self.scattering
+        if self.density:
+            stated["density"] = self.density
         return stated | {"walks": self.walks, "seed": self.seed}
 
     @property
@@ -109,8 +115,9 @@ class Recipe:
 
     def ndf(self, cell: int) -> Any:
         """The distribution of a cell."""
-        cls = next(family.cls for family in mf.families() if family.name == self.family)
-        return cls(**{name: value for name, value in self.cell_parameters(cell).items() if name != "eta"})
+        return self.entry.cls(
+            **{name: value for name, value in self.cell_parameters(cell).items() if name != "eta"}
+        )
 
     def optics(self, cell: int, scattering: str) -> Any:
         """The material of a cell."""
@@ -121,15 +128,18 @@ class Recipe:
 
     def as_dict(self) -> dict[str, Any]:
         """For a file: equal where the tables are."""
-        return {key: list(v) if isinstance(v, tuple) else v for key, v in asdict(self).items()}
+        left_out = {"entry"} if self.density else {"entry", "density"}
+        stated = {one.name: getattr(self, one.name) for one in fields(self) if one.name not in left_out}
+        return {key: list(v) if isinstance(v, tuple) else v for key, v in stated.items()}
 
 
-def names_of(kind: str, family: str, material: str) -> tuple[set[str], set[str]]:
+def names_of(kind: str, family: str, material: str, density: str) -> tuple[set[str], set[str]]:
     """The arrays and the attributes of a table of this kind."""
+    own = "" if density else shape_name(entry_of("bake", family))
     what = Recipe(
         one_of("bake", "kind", kind, KINDS), family, one_of("bake", "material", material, MATERIALS),
-        alpha=(), shape_name=shape_name(family), shape=(), eta=(), k=0.0, cos_theta=(), azimuth=(),
-        scattering="single" if kind == "bsdf" else "", walks=1, seed=0,
+        alpha=(), shape_name=own, shape=(), eta=(), k=0.0, cos_theta=(), azimuth=(),
+        scattering="single" if kind == "bsdf" else "", walks=1, seed=0, density=density,
     )  # fmt: skip
     return {*what.variables, *what.outer, *what.inner}, {*what.attributes, *PROVENANCE}
 
@@ -147,7 +157,7 @@ def grid(name: str, values: ArrayLike, owner: str = "bake") -> Grid:
 
 def recipe(
     kind: str,
-    family: str,
+    family: str | UserFamily | RadialNDF,
     *,
     alpha: ArrayLike,
     shape: ArrayLike | None,
@@ -161,7 +171,8 @@ def recipe(
     seed: int,
 ) -> Recipe:
     """The recipe of these arguments, or one sentence that says which of them is wrong."""
-    own = shape_name(family)
+    entry = entry_of("bake", family)
+    own = shape_name(entry)
     one_of("bake", "kind", kind, KINDS)
     one_of("bake", "material", material, MATERIALS)
     one_of("bake", "scattering", scattering, ("single", "multiple"))
@@ -170,7 +181,7 @@ def recipe(
             raise ValueError(f"bake: {name} must be a whole number in [{lowest}, 2**32), got {value!r}")
     if bool(own) != (shape is not None):
         text = f"needs {own}, its shape" if own else "has no shape parameter"
-        raise ValueError(f"bake: {family} {text}")
+        raise ValueError(f"bake: {entry.name} {text}")
     if kind == "split_sum" and (material != "conductor" or eta is not None or k != 0):
         raise ValueError(
             "bake: split_sum takes no material, eta or k: it is for the reflectance of any metal"
@@ -182,7 +193,7 @@ def recipe(
     if isinstance(azimuth, int | np.integer):
         azimuth = np.linspace(0, np.pi, azimuth)
     result = Recipe(
-        kind, family, material,
+        kind, entry.name, material,
         alpha=grid("alpha", alpha),
         shape_name=own,
         shape=() if shape is None else grid(own, shape),
@@ -193,6 +204,8 @@ def recipe(
         scattering=scattering if kind == "bsdf" else "",
         walks=int(walks),
         seed=int(seed),
+        density=entry.ndf._identity if isinstance(entry, UserFamily) and entry.ndf else "",
+        entry=entry,
     )  # fmt: skip
     if not 0 < result.cos_theta[0] <= result.cos_theta[-1] <= 1:
         ends = f"{result.cos_theta[0]:g} to {result.cos_theta[-1]:g}"
@@ -204,11 +217,20 @@ def recipe(
     return result
 
 
-def shape_name(family: str, owner: str = "bake") -> str:
-    """Of the family's shape parameter, or empty."""
+def entry_of(owner: str, family: str | UserFamily | RadialNDF) -> Any:
+    """The record of a family by its name, or of a density of one's own; ValueError for anything else."""
+    if isinstance(family, UserFamily | RadialNDF):
+        entry = family if isinstance(family, UserFamily) else family_of(family)
+        if entry.ndf is None:
+            raise ValueError(f"{owner}: give a RadialNDF, {entry.name} has free parameters")
+        return entry
     known = {entry.name: entry for entry in mf.families()}
-    parameters = known[one_of(owner, "family", family, known)].parameters
-    return next((parameter.name for parameter in parameters if parameter.name != "alpha"), "")
+    return known[one_of(owner, "family", family, known)]
+
+
+def shape_name(entry: Any) -> str:
+    """Of the family's shape parameter, or empty."""
+    return next((parameter.name for parameter in entry.parameters if parameter.name != "alpha"), "")
 
 
 def one_of(owner: str, name: str, value: str, allowed: Iterable[str]) -> str:

@@ -19,6 +19,7 @@ from microfacet._bake.journal import Journal, provenance
 from microfacet._bake.recipe import Recipe, recipe
 from microfacet._bake.store import place, put, require_replaceable
 from microfacet._optional import needed, require
+from microfacet._radial import RadialNDF
 
 __all__ = ["bake"]
 
@@ -29,7 +30,7 @@ WRITERS = {".nc": "h5netcdf", ".zarr": "zarr"}  # the libraries that write these
 
 def bake(
     kind: str,
-    family: str,
+    family: str | RadialNDF,
     *,
     alpha: ArrayLike,
     shape: ArrayLike | None = None,
@@ -55,8 +56,8 @@ def bake(
     kind : {"albedo", "energy", "split_sum", "bsdf"}
         Albedos of one order and of all; what one order misses of them, and its average; scale and bias of the
         albedo F0 scale + bias of one order with Schlick's reflectance; or f.
-    family : str
-        Such as "student_t".
+    family : str or RadialNDF
+        Such as "student_t"; or a density of your own, at the roughnesses of the grid.
     alpha, shape : array_like
         Grids of the isotropic roughness and of the family's shape parameter, where it has one.
     material : {"conductor", "dielectric"}
@@ -112,7 +113,9 @@ def bake(
             f"bake: the table needs {what.bytes / 1e9:.3g} GB, more than the {memory / 1e9:.3g} GB it may "
             "take: choose coarser grids, or allow more memory"
         )
-    origin = provenance(command or f"microfacet.bake({kind!r}, {family!r}, ...)", _date(), mf.__version__)
+    origin = provenance(
+        command or f"microfacet.bake({kind!r}, {what.family!r}, ...)", _date(), mf.__version__
+    )
     if output is None:
         cells = dict(_told(_compute(what, range(what.cells), threads, dask), what, 0, progress))
         return _dataset(xarray, what, cells, origin)

@@ -49,7 +49,8 @@ def _stranger(folder: Path) -> str | None:
         with (folder / ".zmetadata").open("rb") as stream:
             metadata = read_json(stream, _LONGEST_METADATA)["metadata"]
         attributes = metadata[".zattrs"]
-        arrays, facts = names_of(attributes["kind"], attributes["family"], attributes["material"])
+        kind, family, material = (attributes[name] for name in ("kind", "family", "material"))
+        arrays, facts = names_of(kind, family, material, attributes.get("density", ""))
         if set(attributes) != facts:
             return nothing
         stated = {name.removesuffix("/.zarray") for name in metadata if name.endswith("/.zarray")}

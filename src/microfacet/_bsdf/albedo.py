@@ -12,6 +12,12 @@ from microfacet._arrays import lifted, numbered
 from microfacet._bsdf.arguments import directions_of
 from microfacet._bsdf.kernels import WALK, MaterialKernels
 from microfacet._bsdf.quadrature import escaped
+from microfacet._bsdf.visible_means import (
+    about_mean_plane,
+    average_of_visible,
+    needs_means,
+    scale_of_radiance,
+)
 
 __all__ = ["albedo", "average_albedo"]
 
@@ -86,26 +92,23 @@ def _by_quadrature(material: MaterialKernels, wi: Array, part: str) -> tuple[Arr
     valid = np.isfinite(wi).all(axis=-1)
     value[~valid] = error[~valid] = np.nan
     # Along the surface, and from below a metal, nothing is scattered.
-    seen = valid & ((wi[:, 2] != 0) if material._transmits else (wi[:, 2] > 0))
+    height = material._height(wi)
+    seen = valid & ((height != 0) if material._transmits else (height > 0))
     if material._transmits and float(material._constants[0]) == 1.0:  # no surface: all goes straight on
         value[seen] = float(part != "reflected")
         return value, error
     found = escaped(material, wi[seen])
-    passed = found.passed * _scale(material, wi[seen, 2])[:, np.newaxis]
+    passed = found.passed * scale_of_radiance(material, height[seen])[:, np.newaxis]
     value[seen] = {"all": found.reflected + passed, "reflected": found.reflected, "transmitted": passed}[part]
     error[seen] = found.error
     return value, error
 
 
-def _scale(material: MaterialKernels, cosine: Array) -> Array:
-    """The factor of radiance that is transmitted: the square of the relative index of refraction."""
-    if not material._radiance:
-        return np.ones(cosine.shape)
-    eta = float(material._constants[0])
-    return np.minimum(np.where(cosine > 0, 1 / eta, eta), 1e150) ** 2
-
-
 def _average_by_quadrature(material: MaterialKernels, up: float, part: str) -> tuple[Array, Array]:
+    if needs_means(material):
+        (reflected, passed), error = average_of_visible(material, up)
+        passed = passed * scale_of_radiance(material, np.full(1, up))
+        return {"all": reflected + passed, "reflected": reflected, "transmitted": passed}[part], error
     before: Array | None = None
     for nodes in (12, 20, 32):
         wi, weights = _hemisphere(material, nodes, up)
@@ -148,7 +151,7 @@ def _average_by_walks(
         elements = np.arange(float(first), float(min(first + _WALKS, n)))
         xi = generator.random((len(elements), 2))
         cosine, sine, turn = np.sqrt(1 - xi[:, 0]), np.sqrt(xi[:, 0]), 2 * np.pi * xi[:, 1]
-        wi = np.stack((sine * np.cos(turn), sine * np.sin(turn), up * cosine), -1)
+        wi = about_mean_plane(material, np.stack((sine * np.cos(turn), sine * np.sin(turn), up * cosine), -1))
         weight = _weights(material, wi, seed, elements, part)
         sums += weight.sum(axis=0)
         squares += (weight * weight).sum(axis=0)
@@ -160,7 +163,8 @@ def _weights(material: MaterialKernels, wi: Array, seed: Array, elements: Array,
     parts = [wi[..., 0], wi[..., 1], wi[..., 2]]
     wo, weight, facets = material._of("walk", parts, [elements, seed, material._radiance], WALK)
     if part != "all":
-        side = wo[..., 2] * wi[(..., 2, *(np.newaxis,) * len(material._channels))]
+        axes = (np.newaxis,) * len(material._channels)
+        side = material._height(wo) * material._height(wi)[(..., *axes)]
         weight = np.where(side > 0 if part == "reflected" else side < 0, weight, 0 * weight)
     if material.scattering == "single":
         weight = np.where(facets == 1, weight, 0 * weight)

@@ -107,9 +107,8 @@ def xyz(w: Array) -> list[Array]:
     return [w[..., 0], w[..., 1], w[..., 2]]
 
 
-def lit(wi: Array, wo: Array) -> Array:
-    """Cosine of `wo` where both are above the surface, else 0; nan for nan."""
-    i, o = wi[..., 2], wo[..., 2]
+def lit(i: Array, o: Array) -> Array:
+    """The cosine `o` of a direction out where it and that of light are positive, else 0; nan for nan."""
     return np.asarray(np.where(i > 0, np.maximum(o, 0), 0) + 0 * (i + o))
 
 

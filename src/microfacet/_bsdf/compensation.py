@@ -65,9 +65,10 @@ class _Energy(Value):
         """Interpolate it in a table of `microfacet.bake`."""
         if table.attrs.get("kind") != "energy" or table.attrs.get("material") != "conductor":
             raise ValueError(f'{owner}: table must come from bake("energy", ...) of a white conductor')
-        if table.attrs["family"] != ndf.family:
+        if table.attrs.get("density", table.attrs["family"]) != ndf._identity:
             raise ValueError(
-                f"{owner}: the table is of {table.attrs['family']}, the material of {ndf.family}"
+                f"{owner}: the table is of {table.attrs['family']}, the material of "
+                f"{ndf.family if ndf.family == ndf._identity else 'another density'}"
             )
         at = _parameters(ndf)
         for name, value in at.items():
@@ -86,7 +87,8 @@ def _parameters(ndf: Distribution) -> dict[str, float]:
     """alpha and the shape parameter by name."""
     values = dict(ndf.parameters)
     if "alpha_x" in values:
-        values = {"alpha": values["alpha_x"], **{k: v for k, v in values.items() if k in ("gamma", "a")}}
+        shape = {name: v for name, v in values.items() if name not in ("alpha_x", "alpha_y", "rotation")}
+        values = {"alpha": values["alpha_x"], **shape}
     return values
 
 
@@ -104,7 +106,7 @@ class _Compensated(Value):
         if not isinstance(material, Conductor) or material.scattering != "single":
             raise ValueError(f"{owner}: material must be a Conductor of single scattering, got {material!r}")
         ndf = material.ndf
-        if "alpha_x" in ndf._names and ndf._values[0] != ndf._values[1]:
+        if hasattr(ndf, "mean_normal") or ("alpha_x" in ndf._names and ndf._values[0] != ndf._values[1]):
             raise ValueError(f"{owner}: the roughness must be isotropic, got {ndf!r}")
         energy = _Energy.of(ndf) if table is None else _Energy.from_table(owner, ndf, table)
         self._keep(material=material, _energy=energy)

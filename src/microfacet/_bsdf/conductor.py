@@ -127,7 +127,7 @@ class Conductor(Material):
         i, o = in_one_type(wi, wo)
         density = self._of("pdf", [*xyz(i), *xyz(o)], [flag(bounded)], white=True)
         if self.scattering == "multiple":
-            diffuse = lit(*self._units(i, o)) * i.dtype.type(1 / np.pi)
+            diffuse = lit(*self._cosines(i, o)) * i.dtype.type(1 / np.pi)
             return (0.75 * density + 0.25 * diffuse).astype(i.dtype)[()]
         return density
 

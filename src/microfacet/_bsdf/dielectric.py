@@ -127,7 +127,7 @@ class Dielectric(Material):
         i, o = in_one_type(wi, wo)
         density = self._of("pdf", [*xyz(i), *xyz(o)], [flag(False)])
         if self.scattering == "multiple":
-            cosine = np.abs(self._units(o)[0][..., 2]) * i.dtype.type(0.5 / np.pi)
+            cosine = np.abs(self._cosines(o)[0]) * i.dtype.type(0.5 / np.pi)
             return (0.75 * density + 0.25 * cosine).astype(i.dtype)[()]
         return density
 

@@ -78,7 +78,7 @@ class Diffuse(Material):
         return lifted(self._pdf, *directions_of(self, "pdf", wi=wi, wo=wo))
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
-        i, o = self._units(wi, wo)
+        i, o = self._cosines(wi, wo)
         return lit(i, o)[()] * i.dtype.type(1 / np.pi)
 
     def sample(self, wi: ArrayLike, xi: ArrayLike | None = None, *, rng: Any = None) -> tuple[Any, Any, Any]:

@@ -98,7 +98,7 @@ class MaterialKernels(Value):
     ) -> None:
         owner = type(self).__name__
         if not isinstance(ndf, Distribution) or not hasattr(ndf.kernels, "conductor_eval"):
-            raise ValueError(f"{owner}: ndf must be a distribution of one of the families, got {ndf!r:.80}")
+            raise ValueError(f"{owner}: ndf must be a distribution, got {ndf!r:.80}")
         if scattering not in ("single", "multiple"):
             raise ValueError(f'{owner}: scattering must be "single" or "multiple", got {scattering!r}')
         try:
@@ -107,6 +107,10 @@ class MaterialKernels(Value):
             shapes = " and ".join(str(constant.shape) for constant in constants)
             raise ValueError(f"{owner}: eta and k must have shapes that broadcast, got {shapes}") from None
         self._keep(ndf=ndf, scattering=scattering, _constants=constants, **others)
+
+    def _sample(self, bounded: bool, wi: Array, xi: Array) -> tuple[Any, Any, Any]:
+        """`sample` of one order, of NumPy arrays."""
+        raise NotImplementedError
 
     def _pdf(self, wi: Array, wo: Array) -> Any:
         """`pdf` of NumPy arrays."""
@@ -127,8 +131,16 @@ class MaterialKernels(Value):
         found = []
         for w in in_one_type(*directions):
             found.append(np.empty(w.shape, w.dtype))
-            self.ndf.kernels.unit_direction(*xyz(w), *self.ndf._values, *xyz(found[-1]))
+            self.ndf.kernels.unit_direction(*xyz(w), *self.ndf._arguments, *xyz(found[-1]))
         return found
+
+    def _height(self, w: Array) -> Array:
+        """Cosine of a unit direction with the mean normal, which is +z but for a tilted slope table."""
+        normal = getattr(self.ndf, "mean_normal", None)
+        return w[..., 2] if normal is None else np.asarray(w @ normal, w.dtype)
+
+    def _cosines(self, *directions: Array) -> list[Array]:
+        return [self._height(w) for w in self._units(*directions)]
 
     @property
     def _channels(self) -> tuple[int, ...]:
@@ -152,7 +164,7 @@ class MaterialKernels(Value):
                 getattr(self.ndf.kernels, f"{self._name}_{operation}"),
                 channels,
                 tuple(np.broadcast_to(in_range(constant, dtype), channels) for constant in constants),
-                tuple(map(np.array, self.ndf._values)),
+                tuple(map(np.array, self.ndf._arguments)),
             )
         return call
 

@@ -170,7 +170,7 @@ def _snapped(edges: Array, cuts: Array) -> tuple[Array, NDArray[np.bool_]]:
 @lru_cache(maxsize=256)
 def _edges(ndf: Distribution, passes: bool) -> Array:
     """Edges of panels of log r: steps of the log odds of a slope below r, none longer than 1 near r = 1."""
-    standard = (1.0, *ndf._values[3:]) if "alpha_x" in ndf._names else ndf._values
+    standard = (1.0, *ndf._arguments[3:]) if "alpha_x" in ndf._names else ndf._arguments
     odds = np.arange(-21.0, 28.0, 2.0)
     edges = list(np.log(ndf.kernels.sample_slope(1 / (1 + np.exp(-odds)), *standard)))
     # Heavy tails: on until the projected area E[r; r > R] of the steeper facets is negligible.

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from microfacet._bsdf.arguments import flag
 from microfacet._bsdf.kernels import MaterialKernels
 from microfacet._bsdf.panels import Panels, panels
+from microfacet._bsdf.visible_means import means_of_visible, needs_means
 from microfacet._threads import in_threads
 
 __all__ = ["Escaped", "escaped"]
@@ -39,6 +40,9 @@ class Escaped(NamedTuple):
 
 def escaped(material: MaterialKernels, wi: Array) -> Escaped:
     """Parts of the light from `wi` (directions, 3), not along the surface, that leave after one facet."""
+    if needs_means(material):
+        parts, differences = means_of_visible(material, wi)
+        return Escaped(parts[:, 0], parts[:, 1], differences)
     channels = int(np.prod(material._channels, dtype=np.int64))
     found = np.zeros((len(wi), 2, channels))
     error = np.full((len(wi), channels), np.inf)

@@ -40,9 +40,8 @@ def measured(graphs: Mapping[str, Graph], choice: Choice) -> list[str]:
     texts = {name: _upwards(error) for name, error in found.items() if not math.isnan(error)}
     kinds: dict[str, list[str]] = {"values": [], "materials": [], "directions": []}
     for name, text in texts.items():
-        kinds["directions" if "sample" in name else "materials" if is_of_material(name) else "values"].append(
-            f"{name} {text}"
-        )
+        most = "materials" if is_of_material(name) or _is_a_ring(choice) else "values"
+        kinds["directions" if "sample" in name else most].append(f"{name} {text}")
     sentences = {
         "values": "Largest relative errors found in single precision: {}.",
         "materials": "Relative errors of 99.9 % of the values: {}.",
@@ -67,7 +66,7 @@ def error_of(
     evaluate: Callable[[Columns], Results] | None = None,
     sets: int = _SETS,
 ) -> float:
-    """The largest relative error; that of 99.9 % of materials' values and of sampled directions; or nan.
+    """The largest relative error; that of 99.9 % of materials' and rings' values and of samples; or nan.
 
     Parameters
     ----------
@@ -78,7 +77,7 @@ def error_of(
     """
     sampled = "sample" in function
     tables = choice.density.tabulated
-    by_tables = bool(tables) and all(name in choice.fixed for name in tables)
+    by_tables = choice.density.tables_alone or (bool(tables) and all(name in choice.fixed for name in tables))
     if sampled and by_tables and any(name.startswith("w") for name in graph.inputs):
         return math.nan  # tables take other uniforms for the same normal, each as exactly as the others
     values = parameter_sets(choice.of(function), choice.intervals, sets)
@@ -94,13 +93,25 @@ def error_of(
     counted = np.ones(sets * _POINTS, bool)
     if "w.x" in columns and (sampled or "m.x" in columns):
         counted = np.concatenate([_seen(choice, *pair) for pair in zip(given, values, strict=True)])
+    if _is_a_ring(choice) and not sampled:  # whose density is 0 or infinite, which is nothing to compare
+        counted &= np.all(
+            [np.isfinite(values) & (np.abs(values) > _LEAST) for values in exact.values()], axis=0
+        )
+    if not counted.any():
+        return math.nan
     if sampled:
         distances = [_distance(single[name], exact[name]) for name in exact if name.startswith(_DIRECTIONS)]
         return float(np.quantile(np.max(distances, axis=0)[counted], 0.999, method="higher"))
     errors = np.max([_relative(single[name], exact[name])[counted] for name in exact], axis=0)
-    if is_of_material(function):  # half vectors of arbitrary directions: now and then a small difference
+    # Half vectors of arbitrary directions are now and then a small difference, as is what is left next to the
+    # end of a ring.
+    if is_of_material(function) or _is_a_ring(choice):
         return float(np.quantile(errors, 0.999, method="higher"))
     return float(errors.max())
+
+
+def _is_a_ring(choice: Choice) -> bool:
+    return choice.density.family is not None and choice.density.family.singular
 
 
 def _distance(single: NDArray[Any], exact: NDArray[Any]) -> NDArray[np.float64]:

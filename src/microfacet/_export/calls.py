@@ -27,7 +27,7 @@ class Functions:
         Formulas that are accurate in double precision alone are evaluated in it.
         """
         density, given = self._subject.density, self._subject.given(quantity, parameters)
-        if density.radial is not None or density.tabulated:
+        if density.tables_alone or density.tabulated:
             known = dict(given)
             for name in density.tabulated:
                 if isinstance(parameters.get(name), bool | int | float):

@@ -9,6 +9,7 @@ from microfacet import _core
 from microfacet._family import Family, Parameter, families
 from microfacet._frozen import Distribution
 from microfacet._radial import RadialNDF
+from microfacet._user_family import UserFamily
 
 __all__ = ["AXES", "Density", "density_of"]
 
@@ -52,13 +53,18 @@ class Density:
         shape = self.parameters[1:] if self.anisotropic else self.parameters
         return tuple(parameter.name for parameter in shape)
 
+    @property
+    def tables_alone(self) -> bool:
+        """Whether it is recorded from tables, whatever its parameters are."""
+        return self.radial is not None or not (self.exact or self.tabulated)
+
     def tables(self, values: Mapping[str, float | None], float64: bool) -> bytes | None:
         """The tables for these values, None where formulas do; ValueError where neither is accurate."""
         if self.radial is not None:
-            made: bytes | None = _core.radial.tables(float64, self.radial._handle)
+            made: bytes | None = self.radial.kernels.tables(float64, self.radial._handle)
             return made
         shape = [values[name] for name in self.tabulated]
-        if self.family is None or not shape or None in shape:
+        if self.family is None or None in shape or (self.exact and not shape):
             return None
         made = self.family.cls.kernels.tables(float64, *shape)
         if made is None and not self.exact:
@@ -77,17 +83,21 @@ class Density:
         return self.family.cls(**values)
 
 
-def density_of(given: str | Distribution) -> Density:
+def density_of(given: str | Distribution | UserFamily) -> Density:
     """The family of that name, or of a distribution with the values of its parameters."""
+    if isinstance(given, UserFamily) and given.ndf is not None:
+        given = given.ndf
     if isinstance(given, RadialNDF):
         roughness = (Parameter("alpha", *_core.roughness),)
         title = "user's"
         return Density("radial", title, roughness, True, _shortest(given.parameters), radial=given)
     if isinstance(given, Distribution):
-        family = next(family for family in families() if type(given) is family.cls)
+        family = next((family for family in families() if type(given) is family.cls), None)
+        if family is None:
+            raise ValueError(f"a {type(given).__name__} cannot be exported: give a family or a RadialNDF")
         return _of_family(family, _shortest(given.parameters) if family.anisotropic else given.parameters)
     known = {family.name: family for family in families()}
-    if given not in known:
+    if not isinstance(given, str) or given not in known:
         raise ValueError(f"family must be one of {', '.join(known)}, or a distribution, got {given!r}")
     return _of_family(known[given], {})
 

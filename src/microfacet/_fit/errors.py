@@ -67,8 +67,8 @@ def uncertainty(model: Model, found: Maximum) -> Uncertainty:
     jacobian = _jacobian(model, found.state)
     with np.errstate(invalid="ignore"):
         errors = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, covariance, jacobian))
-    if model.family.parameters[1:] and not free[-1]:
-        errors[-1] = math.nan
+    first = model.size - len(model.searches)
+    errors[first:][~free[first:]] = math.nan
     return Uncertainty(dict(zip(names, map(float, errors), strict=True)), share, notes)
 
 
@@ -94,8 +94,9 @@ def _jacobian(model: Model, state: State) -> Vector:
     theory.
     """
     result = np.zeros((model.size, model.size))
-    if state.log_shape is not None:
-        result[-1, -1] = math.exp(state.log_shape)
+    first = model.size - len(model.searches)
+    for number, (search, variable) in enumerate(zip(model.searches, state.shapes, strict=True), first):
+        result[number, number] = search.slope(variable)
     if not model.stretched:
         result[0, 0] = math.exp(state.log_alpha)
         return result

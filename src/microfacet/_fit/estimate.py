@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,21 +15,26 @@ from microfacet._family import families as all_families
 from microfacet._fit import blocks
 from microfacet._fit.errors import Uncertainty, azimuth_of_x, parameters, uncertainty
 from microfacet._fit.goodness import goodness
-from microfacet._fit.model import SHAPE_RANGE, Model, State
+from microfacet._fit.model import Model, State
 from microfacet._fit.newton import fold_state, maximise
 from microfacet._fit.result import FitResult
+from microfacet._fit.search import searches
 from microfacet._fit.slopes import MAX_SLOPES, Slopes, prepare
+from microfacet._radial import RadialNDF
 from microfacet._surface import Surface
+from microfacet._user_family import family_of
 
-__all__ = ["Progress", "chosen_families", "fit"]
+__all__ = ["Candidates", "Progress", "chosen_families", "fit"]
 
+#: What is fitted: names of families, families of one's own, densities whose roughness alone is free.
+Candidates = str | Family | RadialNDF | Iterable[str | Family | RadialNDF] | None
 #: Told what begins, how many steps are done, and how many there are.
 Progress = Callable[[str, int, int], None]
 
 
 def fit(
     slopes_or_surface: ArrayLike | Surface,
-    families: str | Iterable[str] | None = None,
+    families: Candidates = None,
     lag: int | None = None,
     max_slopes: int | None = MAX_SLOPES,
     progress: Progress | None = None,
@@ -52,8 +57,9 @@ def fit(
     slopes_or_surface : array_like, shape (N, 2), or Surface
         Slopes ``(p, q)`` along x and y (dimensionless, N >= 20, in [-1e6, 1e6]), or a surface to take them
         from. Slopes are taken for independent of each other; those of a surface are not.
-    families : str or iterable of str, optional
-        Names of families; all six by default.
+    families : str, UserFamily, RadialNDF or iterable of them, optional
+        Names of families; families of your own, whose parameters are fitted; densities of your own, of which
+        the roughness is. All families of the library by default.
     lag : int, optional
         Lag in pixels at which slopes of a surface are taken; the surface's own `lag` by default. alpha and
         shape depend on it.
@@ -114,16 +120,25 @@ def fit(
     return _ranked(found, slopes, lag)
 
 
-def chosen_families(names: str | Iterable[str] | None) -> list[Family]:
-    """The families of these names, all for None; `ValueError` for a name that there is not."""
-    known = {family.name: family for family in all_families()}
-    wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
-    for name in wanted:
-        if name not in known:
-            raise ValueError(f"families must be among {', '.join(known)}, got {name!r}")
+def chosen_families(names: Candidates) -> list[Family]:
+    """The families of these names, for None all that have a density; `ValueError` for another name."""
+    known = {family.name: family for family in all_families() if not family.singular}
+    one = isinstance(names, str | Family | RadialNDF)
+    wanted: list[Any] = list(known) if names is None else [names] if one else list(names)  # type: ignore[arg-type]
     if not wanted:
         raise ValueError("families must name at least one family, got none")
-    return [known[name] for name in dict.fromkeys(wanted)]
+    found: dict[str, Family] = {}
+    for name in wanted:
+        family = family_of(name) if isinstance(name, RadialNDF) else name
+        if not isinstance(family, Family):
+            if any(name == family.name for family in all_families() if family.singular):
+                raise ValueError(f"families: {name} has no density to fit, its facets have one slope")
+            if name not in known:
+                raise ValueError(f"families must be among {', '.join(known)}, got {name!r}")
+            family = known[name]
+        if found.setdefault(family.name, family) != family:
+            raise ValueError(f"families: two have the name {family.name}")
+    return list(found.values())
 
 
 class _Fitted(NamedTuple):
@@ -202,8 +217,10 @@ def _difference_error(best: _Fitted, other: _Fitted, slopes: Slopes) -> float:
 
 
 def _edge_notes(family: Family, state: State) -> tuple[str, ...]:
-    low, high = SHAPE_RANGE
-    if state.log_shape is None or low < state.log_shape < high:
-        return ()
-    end = "lower" if state.log_shape <= low else "upper"
-    return (f"{family.parameters[1].name} is at the {end} end of the range that is searched",)
+    notes = []
+    for search, variable in zip(searches(family), state.shapes, strict=True):
+        low, high = search.ends
+        if not low < variable < high:
+            end = "lower" if variable <= low else "upper"
+            notes.append(f"{search.parameter.name} is at the {end} end of the range that is searched")
+    return tuple(notes)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -18,14 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._family import Family
+from microfacet._fit.search import searches
 from microfacet._fit.slopes import Chunk, Slopes
 
-__all__ = ["SHAPE_RANGE", "Model", "Sums", "make_state"]
+__all__ = ["Model", "Sums", "make_state"]
 
 Vector = NDArray[np.float64]
-# A shape parameter is searched in [lower + 0.01, lower + 150]: beyond, every family is at its limit for
-# practical purposes (Beckmann for large gamma and a).
-SHAPE_RANGE = (math.log(0.01), math.log(150.0))
 _SMALLEST = 1e-280  # below, the density is about to underflow
 # Step of central differences in logarithmic variables: truncation of the first about 1e-7, and 1e-7 of
 # rounding of the kernels in the second.
@@ -35,7 +33,8 @@ _MANY = 100_000  # slopes for which threads pay
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """alpha, the map from whitened slopes to standard space, and log(shape - lower) if there is a shape.
+    """alpha, the map from whitened slopes to standard space, and the variables in which the shape parameters
+    are searched, if there are any.
 
     Families that a linear map stretches keep alpha at 1 and are stretched by `inverse`; for the others
     `inverse` is the unit matrix.
@@ -43,7 +42,7 @@ class State:
 
     log_alpha: float
     inverse: NDArray[np.float64]
-    log_shape: float | None
+    shapes: tuple[float, ...]
 
 
 class Sums(NamedTuple):
@@ -61,50 +60,55 @@ class Model:
     """One family and one sample of slopes.
 
     Tangent coordinates of a family that is stretched: (s, d, e) change standard slopes z to exp(-M) z with
-    the symmetric matrix M = ((s + d, e), (e, s - d)); of the others: log alpha. Then log(shape - lower), if
-    there is one.
+    the symmetric matrix M = ((s + d, e), (e, s - d)); of the others: log alpha. Then the variables of the
+    shape parameters (`Search`).
     """
 
     def __init__(self, family: Family, slopes: Slopes) -> None:
         self.family, self.slopes = family, slopes
-        self.stretched = family.anisotropic
+        self.stretched, self.searches = family.anisotropic, searches(family)
         self.size = (3 if self.stretched else 1) + len(family.parameters) - 1
         self._log_stretch = math.log(abs(np.linalg.det(slopes.stretch))) if self.stretched else 0.0
 
-    def shape(self, state: State) -> tuple[float, ...]:
-        """The shape parameter, if there is one."""
-        if state.log_shape is None:
-            return ()
-        return (self.family.parameters[1].lower + math.exp(state.log_shape),)
+    def shape(self, state: State, change: Sequence[float] = ()) -> tuple[float, ...]:
+        """The shape parameters, of which there are none or one in the library."""
+        changes = change or (0.0,) * len(self.searches)
+        return tuple(
+            search.shape(variable + by)
+            for search, variable, by in zip(self.searches, state.shapes, changes, strict=True)
+        )
 
     def moved(self, state: State, step: Vector) -> State:
         """The state at these tangent coordinates. With the shape, alpha follows so that the median slope
         stays where the step would take it to first order: the likelihood is steep across that valley and
         curved along it.
         """
-        log_alpha, inverse, log_shape = state.log_alpha, state.inverse, state.log_shape
-        scale = float(step[0])
-        if log_shape is not None:
-            change = float(np.clip(log_shape + step[-1], *SHAPE_RANGE)) - log_shape
-            new_shape = log_shape + change
-            slope = (self._median(state, _STEP) - self._median(state, -_STEP)) / (2 * _STEP)
-            scale += slope * change - (self._median(state, change) - self._median(state, 0.0))
-            log_shape = new_shape
+        log_alpha, inverse, shapes = state.log_alpha, state.inverse, state.shapes
+        scale, count = float(step[0]), len(shapes)
+        if count:
+            new = tuple(
+                float(np.clip(variable + by, *search.ends))
+                for search, variable, by in zip(self.searches, shapes, step[-count:], strict=True)
+            )
+            change = [after - before for after, before in zip(new, shapes, strict=True)]
+            for own, by in zip(_STEP * np.eye(count), change, strict=True):
+                there, back = self._median(state, own.tolist()), self._median(state, (-own).tolist())
+                scale += (there - back) / (2 * _STEP) * by
+            scale -= self._median(state, change) - self._median(state, [0.0] * count)
+            shapes = new
         if not self.stretched:
-            return State(log_alpha + scale, inverse, log_shape)
+            return State(log_alpha + scale, inverse, shapes)
         d, e = float(step[1]), float(step[2])
         m = math.hypot(d, e)
         odd = math.sinh(m) / m if m > 0 else 1.0
         remaining = np.array([[math.cosh(m) - odd * d, -odd * e], [-odd * e, math.cosh(m) + odd * d]])
-        return State(log_alpha, math.exp(-scale) * remaining @ inverse, log_shape)
+        return State(log_alpha, math.exp(-scale) * remaining @ inverse, shapes)
 
-    def _median(self, state: State, change: float) -> float:
+    def _median(self, state: State, change: Sequence[float]) -> float:
         """log median slope at a changed shape; flat where the family has no closed way to it."""
-        assert state.log_shape is not None
-        shape = self.family.parameters[1].lower + math.exp(state.log_shape + change)
         if not self.stretched:
             return 0.0
-        return math.log(float(self.family.kernels.sample_slope(0.5, 1.0, shape)))
+        return math.log(float(self.family.kernels.sample_slope(0.5, 1.0, *self.shape(state, change))))
 
     def value(self, state: State, only: int | None = None) -> Vector:
         """The log-likelihood of each group, of one fold or of all."""
@@ -192,47 +196,55 @@ class Model:
         # The power of a density that is no stretch multiplies what a change of alpha does.
         g = h if self.stretched else h / (1 + sum(self.shape(state)))
 
-        def at(u: float, change: float = 0.0) -> Vector:
-            shape = self.shape(state)
-            if state.log_shape is not None:
-                shape = (self.family.parameters[1].lower + math.exp(state.log_shape + change),)
-            alpha = math.exp(state.log_alpha + u)
+        count = len(self.searches)
+        units = (h * np.eye(count)).tolist()
+
+        def at(u: float, change: Sequence[float] = ()) -> Vector:
+            shape, alpha = self.shape(state, change), math.exp(state.log_alpha + u)
             return log_density(lambda r: kernels.P22(r, 0.0, alpha, *shape), radius)
 
-        middle, up, down = at(0.0), at(g), at(-g)
+        def mixed(both: Vector, first: tuple[Vector, Vector], second: tuple[Vector, Vector]) -> Vector:
+            return both - sum(first) - sum(second) + 2 * middle
+
+        middle, alpha_ways = at(0.0), (at(g), at(-g))
+        up, down = alpha_ways
         du, duu = (up - down) / (2 * g), (up - 2 * middle + down) / g**2
         terms = middle + self._offset(state)
-        if state.log_shape is None:
-            shapes: list[Vector] = []
-        else:
-            more, less = at(0.0, h), at(0.0, -h)
-            dk, dkk = (more - less) / (2 * h), (more - 2 * middle + less) / h**2
-            both = at(g, h) + at(-g, -h)
-            shapes = [dk, dkk, (both - up - down - more - less + 2 * middle) / (2 * g * h)]
+        ways = [(at(0.0, own), at(0.0, [-x for x in own])) for own in units]
+        dk = [(more - less) / (2 * h) for more, less in ways]
+        with_alpha = [
+            mixed(at(g, own) + at(-g, [-x for x in own]), alpha_ways, way) / (2 * g * h)
+            for own, way in zip(units, ways, strict=True)
+        ]
+        among: list[Vector] = []
+        for i, (more, less) in enumerate(ways):
+            among.append((more - 2 * middle + less) / h**2)
+            for j in range(i + 1, count):
+                both = [a + b for a, b in zip(units[i], units[j], strict=True)]
+                pair = at(0.0, both) + at(0.0, [-x for x in both])
+                among.append(mixed(pair, ways[i], ways[j]) / (2 * h * h))
         if not self.stretched:
-            first, second = [du, *shapes[:1]], [duu, *shapes[2:], *shapes[1:2]]
-            return terms, first, second
+            return terms, [du, *dk], [duu, *with_alpha, *among]
         steepness = du + 2  # minus the derivative by log r
-        first = [du, steepness * cosine, steepness * sine, *shapes[:1]]
-        mixed = [shapes[2], shapes[2] * cosine, shapes[2] * sine] if shapes else []
+        first = [du, steepness * cosine, steepness * sine, *dk]
         second = [
-            *(duu, duu * cosine, duu * sine, *mixed[:1]),
-            *(duu * cosine**2 - 2 * steepness * sine**2, (duu + 2 * steepness) * cosine * sine, *mixed[1:2]),
-            *(duu * sine**2 - 2 * steepness * cosine**2, *mixed[2:]),
-            *shapes[1:2],
+            *(duu, duu * cosine, duu * sine, *with_alpha),
+            *(duu * cosine**2 - 2 * steepness * sine**2, (duu + 2 * steepness) * cosine * sine),
+            *(own * cosine for own in with_alpha),
+            *(duu * sine**2 - 2 * steepness * cosine**2, *(own * sine for own in with_alpha)),
+            *among,
         ]
         return terms, first, second
 
 
-def make_state(model: Model, shape: float | None) -> State:
+def make_state(model: Model, variables: tuple[float, ...]) -> State:
     """The state that gives the slopes their median, and whitened slopes no direction, for a given shape."""
-    family = model.family
-    log_shape = None if shape is None else math.log(shape - family.parameters[1].lower)
-    own = () if shape is None else (shape,)
+    family, state = model.family, State(0.0, np.eye(2), variables)
+    own = model.shape(state)
     if model.stretched:
         median = float(family.kernels.sample_slope(0.5, 1.0, *own))
-        return State(0.0, median * np.eye(2), log_shape)
-    return State(_log_alpha(family, own, float(np.median(model.slopes.radius))), np.eye(2), log_shape)
+        return State(0.0, median * np.eye(2), variables)
+    return State(_log_alpha(family, own, float(np.median(model.slopes.radius))), np.eye(2), variables)
 
 
 def _log_alpha(family: Family, shape: tuple[float, ...], median: float) -> float:

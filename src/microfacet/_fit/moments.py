@@ -3,30 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Mapping
 
 import numpy as np
 from scipy.integrate import quad
 
 from microfacet._family import Family
-from microfacet._fit.estimate import chosen_families
+from microfacet._family import families as all_families
+from microfacet._fit.estimate import Candidates, chosen_families
 from microfacet._fit.result import TableFit
 
 __all__ = ["from_moments"]
 
 
 def from_moments(
-    moments: tuple[float, float] | float, names: str | Iterable[str] | None, given: dict[str, float | None]
+    moments: tuple[float, float] | float, names: Candidates, given: Mapping[str, float]
 ) -> list[TableFit]:
     """The families that have these mean square slopes along one axis or two; E[p^2] = alpha^2 E[r^2]/2."""
     values = np.atleast_1d(np.asarray(moments, dtype=np.float64))
     if values.shape not in ((1,), (2,)) or not np.all((values > 0) & np.isfinite(values)):
         raise ValueError(f"mean_square_slopes must be one or two positive numbers, got {moments!r}")
-    found = []
-    for family in chosen_families(names):
-        own = {parameter.name: given[parameter.name] for parameter in family.parameters[1:]}
-        missing = [name for name, value in own.items() if value is None]
-        shape = {name: value for name, value in own.items() if value is not None}
+    chosen, found = chosen_families(names), []
+    for name in given:
+        if not any(name == own.name for family in all_families() for own in family.parameters[1:]):
+            raise ValueError(f"{name} is a shape parameter of no family")
+    for family in chosen:
+        own = [parameter.name for parameter in family.parameters[1:]]
+        missing = [name for name in own if given.get(name) is None]
+        shape = {name: given[name] for name in own if name not in missing}
         square = math.inf if missing else _mean_square(family, tuple(shape.values()))
         if math.isfinite(square):
             alphas = [math.sqrt(2 * value / square) for value in values]

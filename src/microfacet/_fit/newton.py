@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Iterable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._family import Family
-from microfacet._fit.model import SHAPE_RANGE, Model, State, Sums, make_state
+from microfacet._fit.model import Model, State, Sums, make_state
 from microfacet._fit.slopes import Slopes
 
 __all__ = ["Maximum", "fold_state", "maximise", "newton_step"]
 
-_SHAPE_STARTS = (0.1, 0.4, 1.0, 2.5, 6.0, 20.0)  # above the lower end of the parameter's interval
+_SHAPE_STARTS = (0.24, 0.385, 0.48, 0.575, 0.665, 0.79)  # shares of the range that is searched
+_MOST_STARTS = 81
 _FIRST_SEARCH = 4000  # slopes for the search from several starts
 _SECOND_SEARCH = 50_000  # slopes for the search from its result
 _STEPS = 60
@@ -39,10 +43,9 @@ class Maximum(NamedTuple):
 def maximise(family: Family, slopes: Slopes) -> tuple[Model, Maximum]:
     """The maximum, by way of parts of the slopes, on which steps are cheap."""
     part = Model(family, slopes.part(_FIRST_SEARCH))
-    shapes: list[float | None] = [
-        shape.lower + start for shape in family.parameters[1:] for start in _SHAPE_STARTS
-    ]
-    starts = [make_state(part, shape) for shape in shapes or [None]]
+    shares = _SHAPE_STARTS if len(part.searches) < 2 else _SHAPE_STARTS[::2]
+    places = product(*([search.at(share) for share in shares] for search in part.searches))
+    starts = [make_state(part, variables) for variables in _with_own(part, places)]
     starts.sort(key=lambda start: float(np.sum(part.value(start))), reverse=True)
     found = max((_search(part, start) for start in starts[:2]), key=lambda end: float(end.sums.value[0]))
     state = found.state
@@ -50,6 +53,12 @@ def maximise(family: Family, slopes: Slopes) -> tuple[Model, Maximum]:
         state = _search(Model(family, slopes.part(_SECOND_SEARCH)), state).state
     model = Model(family, slopes)
     return model, _search(model, state)
+
+
+def _with_own(model: Model, places: Iterable[tuple[float, ...]]) -> list[tuple[float, ...]]:
+    """The places to start from; of several parameters also where they are pictured."""
+    pictured = tuple(search.variable(search.parameter.pictured) for search in model.searches)
+    return [*itertools.islice(places, _MOST_STARTS), *([pictured] if len(pictured) > 1 else [])]
 
 
 def fold_state(model: Model, found: Maximum, fold: int) -> State:
@@ -106,12 +115,13 @@ def _search(model: Model, state: State) -> Maximum:
 
 
 def _free(model: Model, state: State, gradient: Vector) -> NDArray[np.bool_]:
-    """Which coordinates may move: the shape not beyond an end of its range."""
+    """Which coordinates may move: a shape not beyond an end of its range."""
     free = np.ones(model.size, dtype=np.bool_)
-    if state.log_shape is not None:
-        low, high = SHAPE_RANGE
-        at_low, at_high = state.log_shape <= low, state.log_shape >= high
-        free[-1] = not ((at_low and gradient[-1] < 0) or (at_high and gradient[-1] > 0))
+    first = model.size - len(model.searches)
+    for number, (search, variable) in enumerate(zip(model.searches, state.shapes, strict=True), first):
+        low, high = search.ends
+        at_low, at_high = variable <= low, variable >= high
+        free[number] = not ((at_low and gradient[number] < 0) or (at_high and gradient[number] > 0))
     return free
 
 

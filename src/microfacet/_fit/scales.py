@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from microfacet._fit.estimate import Progress, chosen_families, fit
+from microfacet._family import Family
+from microfacet._fit.estimate import Candidates, Progress, chosen_families, fit
 from microfacet._fit.result import FitResult
 from microfacet._surface import Surface
 from microfacet._value import Value
@@ -57,7 +58,7 @@ class ScaleFit(Value):
 def fit_scales(
     surface: Surface,
     lags: Iterable[int] | None = None,
-    families: str | Iterable[str] | None = None,
+    families: Candidates = None,
     max_slopes: int | None = _MAX_SLOPES,
     progress: Progress | None = None,
 ) -> ScaleFit:
@@ -74,8 +75,8 @@ def fit_scales(
     lags : iterable of int, optional
         In pixels, at least 1; by default 1, 2, 4, ... as far as 8 baselines of 2 lags fit side by side into
         the map.
-    families : str or iterable of str, optional
-        Names of families; all six by default.
+    families
+        As in `fit`.
     max_slopes : int or None
         As in `fit`, for each lag.
     progress : callable, optional
@@ -104,14 +105,14 @@ def fit_scales(
     chosen = tuple(sorted(set(_default_lags(surface) if lags is None else lags)))
     if not chosen:
         raise ValueError("lags must name at least one lag, got none")
-    names = [family.name for family in chosen_families(families)]
+    candidates = chosen_families(families)
     progress = progress or (lambda *_: None)
     results = []
     for done, lag in enumerate(chosen):
         progress(f"lag {lag}", done, len(chosen))
-        results.append(fit(surface, names, lag, max_slopes))
+        results.append(fit(surface, candidates, lag, max_slopes))
     chosen = tuple(int(found[0].lag or 0) for found in results)
-    typical = tuple(_typical_slope(found[0]) for found in results)
+    typical = tuple(_typical_slope(found[0], candidates) for found in results)
     exponents = tuple(
         math.log(typical[k + 1] / typical[k]) / math.log(chosen[k + 1] / chosen[k])
         for k in range(len(chosen) - 1)
@@ -136,11 +137,11 @@ def _default_lags(surface: Surface) -> list[int]:
     return lags
 
 
-def _typical_slope(result: FitResult) -> float:
+def _typical_slope(result: FitResult, candidates: list[Family]) -> float:
     """The median slope in standard space times the mean roughness, whatever the parameters are that
     express it.
     """
-    (family,) = chosen_families(result.family)
+    family = next(candidate for candidate in candidates if candidate.name == result.family)
     shape = [result.params[parameter.name] for parameter in family.parameters[1:]]
     if "alpha" in result.params:
         return float(family.kernels.sample_slope(0.5, result.params["alpha"], *shape))

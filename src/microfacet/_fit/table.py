@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,15 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize
 
 from microfacet._family import Family
-from microfacet._fit.estimate import chosen_families
-from microfacet._fit.model import SHAPE_RANGE
+from microfacet._fit.estimate import Candidates, chosen_families
 from microfacet._fit.moments import from_moments
 from microfacet._fit.result import TableFit
+from microfacet._fit.search import searches
 from microfacet._fit.table_input import checked_density, checked_histogram
 
 __all__ = ["fit_table"]
 
-_SHAPE_STARTS = (0.3, 1.5, 8.0)  # above the lower end of the parameter's interval
+_SHAPE_STARTS = (0.355, 0.52, 0.695)  # shares of the range that is searched
 _STEP = 1e-3  # of the second differences that give the standard errors
 
 Vector = NDArray[np.float64]
@@ -30,9 +30,8 @@ def fit_table(
     histogram: tuple[ArrayLike, ArrayLike] | None = None,
     density: tuple[ArrayLike, ArrayLike] | None = None,
     mean_square_slopes: tuple[float, float] | float | None = None,
-    families: str | Iterable[str] | None = None,
-    gamma: float | None = None,
-    a: float | None = None,
+    families: Candidates = None,
+    **shape: float,
 ) -> list[TableFit]:
     """Fit families to tabulated data, best first. Give exactly one of the three tables.
 
@@ -47,12 +46,12 @@ def fit_table(
         Least squares of log D.
     mean_square_slopes : float or (float, float)
         Mean square slope along one axis, or along two (Cox and Munk 1954: upwind, crosswind). It fixes alpha
-        alone: student_t and bessel_k need `gamma` and `a`. ggx, gtr, and student_t with gamma <= 2 have no
+        alone: families with a shape parameter need its value. ggx, gtr, and student_t with gamma <= 2 have no
         finite one.
-    families : str or iterable of str, optional
-        Names of families. By default all, for mean square slopes all that have one and whose shape is given.
-    gamma, a : float, optional
-        Shapes for `mean_square_slopes`.
+    families : str, UserFamily, RadialNDF or iterable of them, optional
+        As in `fit`. By default all, for mean square slopes all that have one and whose shape is given.
+    **shape : float, optional
+        Shape parameters by their names for `mean_square_slopes`, such as ``gamma=3.0``.
 
     Returns
     -------
@@ -85,10 +84,10 @@ def fit_table(
     """
     if sum(table is not None for table in (histogram, density, mean_square_slopes)) != 1:
         raise ValueError("give exactly one of histogram, density and mean_square_slopes")
-    if mean_square_slopes is None and (gamma is not None or a is not None):
-        raise ValueError("gamma and a go with mean_square_slopes; from other tables they are fitted")
     if mean_square_slopes is not None:
-        return from_moments(mean_square_slopes, families, {"gamma": gamma, "a": a})
+        return from_moments(mean_square_slopes, families, shape)
+    if shape:
+        raise ValueError(f"{next(iter(shape))} goes with mean_square_slopes; from other tables it is fitted")
     chosen = chosen_families(families)
     if histogram is not None:
         edges, counts = checked_histogram(*histogram)
@@ -164,14 +163,14 @@ def _fit_density(family: Family, theta: Vector, values: Vector) -> TableFit:
 
 def _minimum(loss: Callable[[Vector], float], family: Family, start: list[float]) -> Any:
     """The best of the minima from several shapes."""
-    own = len(family.parameters) - 1
-    shapes = [[math.log(value)] * own for value in (_SHAPE_STARTS if own else (1.0,))]
+    own = searches(family)
+    shapes = [[one.at(share) for one in own] for share in (_SHAPE_STARTS if own else (0.5,))]
     found = [
         minimize(
             loss,
             np.array([*start, *shape]),
             method="Nelder-Mead",
-            bounds=[(-60.0, 60.0)] * len(start) + [SHAPE_RANGE] * own,
+            bounds=[(-60.0, 60.0)] * len(start) + [one.ends for one in own],
             options={"xatol": 1e-7, "fatol": 1e-14, "maxiter": 4000, "maxfev": 4000},
         )
         for shape in shapes
@@ -194,13 +193,15 @@ def _errors(loss: Callable[[Vector], float], at: Vector, variance: float) -> lis
 
 
 def _shape(family: Family, variables: Vector) -> tuple[float, ...]:
-    pairs = zip(family.parameters[1:], variables, strict=True)
-    return tuple(parameter.lower + math.exp(value) for parameter, value in pairs)
+    pairs = zip(searches(family), variables.tolist(), strict=True)
+    return tuple(one.shape(variable) for one, variable in pairs)
 
 
 def _named_shape(
     family: Family, variables: Vector, errors: list[float]
 ) -> tuple[dict[str, float], dict[str, float]]:
-    names = [parameter.name for parameter in family.parameters[1:]]
-    slopes = [math.exp(value) * error for value, error in zip(variables, errors, strict=True)]
-    return dict(zip(names, _shape(family, variables), strict=True)), dict(zip(names, slopes, strict=True))
+    found = list(zip(searches(family), variables.tolist(), errors, strict=True))
+    return (
+        {one.parameter.name: one.shape(variable) for one, variable, _ in found},
+        {one.parameter.name: one.slope(variable) * error for one, variable, error in found},
+    )

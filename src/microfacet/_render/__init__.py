@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from microfacet._render import passes, scenes
-from microfacet._render.gallery import SHAPES, looks, sheet
+from microfacet._render.gallery import looks, sheet
 from microfacet._render.look import GLASS, Look, metals
 from microfacet._render.picture import FORMATS, display, save
 from microfacet._render.scenes import SCENES
@@ -22,7 +22,6 @@ __all__ = [
     "GLASS",
     "PREFERRED",
     "SCENES",
-    "SHAPES",
     "Look",
     "display",
     "looks",

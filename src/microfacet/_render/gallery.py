@@ -8,19 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from microfacet._family.looks import letter
 from microfacet._optional import needed
 
-__all__ = ["SHAPES", "Sheet", "looks", "sheet"]
+__all__ = ["Sheet", "looks", "sheet"]
 
 Array = npt.NDArray[Any]
 
-#: Where none is given: GTR with a longer tail than GGX, Student-T between GGX and Beckmann, a sharper K0.
-SHAPES: Mapping[str, Mapping[str, float]] = {
-    "gtr": {"gamma": 1.5},
-    "student_t": {"gamma": 3.0},
-    "bessel_k": {"a": 0.5},
-}
-SYMBOLS = {"gamma": "γ"}
 PAPER, INK = (0.075, 0.08, 0.09), "#d8dadd"
 
 
@@ -37,7 +31,7 @@ def looks(
     """What stands above and beside the pictures."""
 
     def shape(name: str) -> str:
-        return ", ".join(f"{SYMBOLS.get(key, key)} = {value:g}" for key, value in shapes[name].items())
+        return ", ".join(f"{letter(key)} = {value:g}" for key, value in shapes[name].items())
 
     return Sheet([(title, shape(name)) for name, title in titles.items()], [f"α = {x:g}" for x in alphas])
 

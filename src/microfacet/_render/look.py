@@ -29,7 +29,7 @@ class Look:
     family : str
         Name of the family.
     parameters : mapping
-        Those of the family's class: alpha, or alpha_x, alpha_y and rotation (radians); gamma; a.
+        Those of the family's class: alpha, or alpha_x, alpha_y and rotation (radians); its shape parameter.
     material : str
         A name of `metals()`, "none" for a metal that absorbs nothing, or "glass".
     ior : float
@@ -43,6 +43,7 @@ class Look:
     material: str = "Au"
     ior: float = GLASS
     scattering: str = "single"
+    density: Any = None  # a RadialNDF in place of a family
 
     @property
     def clear(self) -> bool:
@@ -60,6 +61,10 @@ class Look:
         names = {"alpha_x": "alpha_u", "alpha_y": "alpha_v"}
         shape = {names.get(k, k): float(v) for k, v in self.parameters.items() if k != "rotation"}
         what = {"distribution": self.family, **shape, "scattering": self.scattering}
+        if self.density is not None:
+            from microfacet.mitsuba import table
+
+            what |= table(self.density)
         if self.clear:
             return {"type": "microfacet_dielectric", "int_ior": self.ior, "ext_ior": 1.0, **what}
         return {"type": "microfacet_conductor", "material": self.material, **what}

@@ -14,7 +14,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from microfacet.plot import COLORS, DASHES
+from microfacet._family.looks import PALETTE
 
 __all__ = [
     "GRID",
@@ -26,6 +26,7 @@ __all__ = [
     "name_panel",
     "panel",
     "style",
+    "themed",
     "thousands",
 ]
 
@@ -34,15 +35,13 @@ __all__ = [
 INK = "#010203"
 GRID = "#040506"
 _THEME = {INK: "currentColor", GRID: "var(--rule)"} | {
-    color: f"var(--{family.replace('_', '-')})" for family, color in COLORS.items()
+    color: f"var(--curve-{number})" for number, (color, _) in enumerate(PALETTE, 1)
 }
 _SVG = "{http://www.w3.org/2000/svg}"
 _HREF = "{http://www.w3.org/1999/xlink}href"
 
 #: Colours and dashes of curves that differ in a parameter, not in the family.
-SERIES: tuple[tuple[str, Any], ...] = tuple(
-    (COLORS[name], DASHES[name]) for name in ("ggx", "beckmann", "student_t", "gtr", "k0", "bessel_k")
-)
+SERIES: tuple[tuple[str, Any], ...] = tuple(PALETTE[number] for number in (1, 0, 3, 2, 4, 5))
 #: A curve that the others are compared with.
 REFERENCE: dict[str, Any] = {"color": INK, "linewidth": 1.3, "linestyle": (0, (1.2, 1.6))}
 
@@ -102,7 +101,7 @@ def panel(name: str, description: str, draw: Callable[[Axes], Any], legend: Any 
     figure = Figure()
     ax = figure.add_subplot()
     draw(ax)
-    if legend:
+    if legend and ax.get_legend_handles_labels()[0]:
         ax.legend(loc=legend)
     return inline_svg(figure, name, description)
 
@@ -139,7 +138,7 @@ def inline_svg(figure: Figure, name: str, label: str) -> str:
             element.attrib["d"] = re.sub(r"\d+\.\d{3,}", _rounded, element.attrib["d"])
         for key in ("clip-path", "style", "fill", "stroke"):
             if key in element.attrib:
-                element.attrib[key] = _themed(element.attrib[key].replace("url(#", f"url(#{name}-"))
+                element.attrib[key] = themed(element.attrib[key].replace("url(#", f"url(#{name}-"))
     text = ElementTree.tostring(root, encoding="unicode")
     text = re.sub(r"<(/?)ns\d+:", r"<\1", text)  # HTML knows the namespace of an inline svg
     return re.sub(r' xmlns(:\w+)?="[^"]*"', "", text)
@@ -149,7 +148,8 @@ def _rounded(number: re.Match[str]) -> str:
     return f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
 
 
-def _themed(value: str) -> str:
+def themed(value: str) -> str:
+    """A style in which the drawing's colours have become those of the page."""
     for color, property_ in _THEME.items():
         value = value.replace(color, property_)
     return value

@@ -12,18 +12,13 @@ from markupsafe import Markup, escape
 
 import microfacet
 from microfacet import _checks
+from microfacet._family.looks import letter
 from microfacet._report import mathml
+from microfacet._report.figure import themed
 from microfacet._report.sources import sources
+from microfacet.plot import style
 
 __all__ = ["measured", "number", "set_page"]
-
-_SYMBOLS = {
-    "alpha": "α",
-    "gamma": "γ",
-    "alpha_x": "α<sub>x</sub>",
-    "alpha_y": "α<sub>y</sub>",
-    "rotation": "φ",
-}
 
 
 def set_page(template: str, **content: Any) -> str:
@@ -42,7 +37,8 @@ def set_page(template: str, **content: Any) -> str:
         "number": number,
         "p_value": _checks.p_value,
         "measured": measured,
-        "symbol": lambda name: Markup(f"<i>{_SYMBOLS.get(name, name)}</i>"),
+        "symbol": _symbol,
+        "color": lambda family: themed(style(family)[0]),
         "interval": _interval,
         "cite": _cite,
         "svg": Markup,
@@ -72,6 +68,12 @@ def number(value: float | None, digits: int = 6) -> Markup:
     if not exponent:
         return Markup(mantissa)
     return Markup(f"{mantissa}\u202f×\u202f10<sup>{int(exponent)}</sup>".replace("<sup>-", "<sup>−"))
+
+
+def _symbol(name: str) -> Markup:
+    stem, _, axis = name.partition("_")
+    below = f"<sub>{axis}</sub>" if axis else ""
+    return Markup(f"<i>{'φ' if name == 'rotation' else letter(stem)}{below}</i>")
 
 
 def _interval(parameter: Any) -> Markup:

@@ -18,6 +18,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import PchipInterpolator
 
 from microfacet._surface.checks import SurfaceError
+from microfacet._surface.numeric_mixing import numeric_quantile
 
 __all__ = ["gtr_density", "quantile", "stretch"]
 
@@ -48,6 +49,8 @@ def quantile(ndf: Any) -> Callable[[Vector], Vector] | None:
         return lambda u: np.asarray(special.gammaincinv(values.get("a", 1.0), u))
     if family == "gtr":
         return _gtr_quantile(values["alpha"], values["gamma"])
+    if "alpha_x" in values:
+        return numeric_quantile(ndf)
     raise SurfaceError(f"no mixture of Beckmann surfaces is known for {family or type(ndf).__name__}")
 
 

@@ -48,7 +48,8 @@ def synthesize(
     ----------
     ndf : distribution
         Such as ``StudentT(alpha=0.3, gamma=2.5)``; alpha_x, alpha_y and rotation count. GTR with alpha > 1
-        and gamma > 2 is no such mixture.
+        and gamma > 2 is no such mixture. Of a density of your own (`RadialNDF`) the law of m is estimated,
+        within 0.003 in probability, or there is none: facets of a ring-shaped density are no mixture.
     shape : (int, int)
         Rows and columns, ``(ny, nx)``.
     pixel_size : float or (float, float)
@@ -126,12 +127,13 @@ def synthesize(
         field = _gaussian(random, (rows, columns), size, np.eye(2) / slow**2)
         heights *= np.sqrt(quantile(_shares(field)))
         steps += f", amplitude length {slow:g} m"
+    called = "own density" if ndf.family == "radial" else ndf.family
     values = ", ".join(f"{name} {value:.6g}" for name, value in ndf.parameters.items())
     return Surface(
         heights - np.mean(heights),
         size,
-        source=f"synthetic {ndf.family}",
-        steps=(f"synthetic: {ndf.family} with {values}, {steps}, seed {seed}",),
+        source=f"synthetic {called}",
+        steps=(f"synthetic: {called} with {values}, {steps}, seed {seed}",),
     )
 
 

@@ -9,20 +9,23 @@ from typing import Any
 
 import click
 
+import microfacet as mf
 from microfacet.cli import textures
+from microfacet.cli.densities import DensityCommand, density_option
 from microfacet.cli.grids import GRID
+from microfacet.cli.parameters import shape_options
 from microfacet.cli.printing import announce, progress_line, where
 from microfacet.cli.program import json_option
 
 __all__ = ["bake"]
 
 
-@click.command()
+@click.command(cls=DensityCommand)
 @click.argument("kind", type=click.Choice(["albedo", "energy", "split-sum", "bsdf"]))
 @click.argument("family")
+@density_option
 @click.option("--alpha", type=GRID, metavar="GRID", help="Roughness, of a dataset.")
-@click.option("--gamma", type=GRID, metavar="GRID", help="Tail of gtr and student_t.")
-@click.option("--a", type=GRID, metavar="GRID", help="Shape of bessel_k.")
+@shape_options(GRID, "GRID")
 @click.option(
     "--material", type=click.Choice(["conductor", "dielectric"]), default="conductor", help="Metal or glass."
 )
@@ -50,9 +53,8 @@ def bake(
     ctx: click.Context,
     /,
     kind: str,
-    family: str,
-    gamma: Any,
-    a: Any,
+    family: Any,
+    shape_given: dict[str, Any],
     output: str,
     threads: int | None,
     as_json: bool,
@@ -72,28 +74,25 @@ def bake(
       microfacet bake bsdf k0 --alpha 0.3 --material dielectric --eta 1.5 --walks 1000 -o glass.nc
       microfacet bake energy student_t --gamma 1.6:20:16:reciprocal --half --snippet hlsl -o student_t.exr
       microfacet bake split-sum k0 --size 128x128 -o k0.raw
+      microfacet bake energy --density own.json --alpha 0.05:1:20 -o own.nc
     """
-    import microfacet as mf
-
-    given = {"gamma": gamma, "a": a}
-    entry = next((entry for entry in mf.families() if entry.name == family), None)
-    names = [parameter.name for parameter in entry.parameters] if entry else list(given)
-    for name, value in given.items():
-        if value is not None and name not in names:
-            raise click.UsageError(f"{family} has no parameter {name}")
-    shape = gamma if gamma is not None else a
+    for entry in (family,) if isinstance(family, mf.Family) else mf.families():
+        for name in shape_given:
+            if family in (entry, entry.name) and name not in (own.name for own in entry.parameters):
+                raise click.UsageError(f"{entry.name} has no parameter {name}")
+    grid = next(iter(shape_given.values()), None)
     texture = textures.is_texture(output, options["format"])
     textures.require_only(ctx, texture)
     of_textures = textures.taken(options)
     if texture:
-        textures.write_texture(kind, family, shape, output, threads, as_json, **of_textures)
+        textures.write_texture(kind, family, grid, output, threads, as_json, **of_textures)
     else:
-        _write_dataset(kind, family, shape, output, threads, as_json, **options)
+        _write_dataset(kind, family, grid, output, threads, as_json, **options)
 
 
 def _write_dataset(
     kind: str,
-    family: str,
+    family: Any,
     shape: Any,
     output: str,
     threads: int | None,
@@ -105,8 +104,6 @@ def _write_dataset(
     memory: float,
     **options: Any,
 ) -> None:
-    import microfacet as mf
-
     if alpha is None:
         raise click.UsageError("Missing option '--alpha'.")
     grids = {"cos_theta": cos_theta, "azimuth": azimuth}

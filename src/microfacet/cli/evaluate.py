@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._docs import QUANTITIES
+from microfacet.cli.densities import DensityCommand, density_option, filled
 from microfacet.cli.parameters import arguments, family_named, parameter_options
 from microfacet.cli.printing import console, finite, show
 from microfacet.cli.program import NumbersCommand, json_option
@@ -20,10 +21,15 @@ from microfacet.cli.program import NumbersCommand, json_option
 __all__ = ["Evaluation", "at", "evaluate"]
 
 
-@click.command("eval", cls=NumbersCommand)
+class _Command(DensityCommand, NumbersCommand):
+    """Both."""
+
+
+@click.command("eval", cls=_Command)
 @click.argument("family")
 @click.argument("quantity")
 @click.argument("values", nargs=-1, required=True)
+@density_option
 @parameter_options
 @click.option("--dtype", type=click.Choice(["float64", "float32"]), default="float64", help="Precision.")
 @json_option
@@ -45,11 +51,12 @@ def evaluate(
       microfacet eval ggx Lambda 0.1 0.5 0.9 --alpha 0.3
       microfacet eval beckmann sigma -0.5 --alpha 0.5
       seq 0 0.1 1 | microfacet eval student_t D - --alpha 0.3 --gamma 2.5
+      microfacet eval --density own.json Lambda 0.5 --alpha 0.3
     """
 
     entry = family_named(family)
     lines: Iterable[str] = (line for line in sys.stdin if line.strip()) if values == ("-",) else values
-    result = at(entry, quantity, lines, parameters, dtype)
+    result = at(entry, quantity, lines, filled(entry, parameters), dtype)
     if as_json:
         click.echo(json.dumps(finite(result.as_dict()), allow_nan=False))
     else:
@@ -97,12 +104,12 @@ def at(
     not exist.
     """
     kernels = family.kernels
-    known = {name: value for name in dir(kernels) if isinstance(value := getattr(kernels, name), np.ufunc)}
+    known = {name: getattr(kernels, name) for name in sorted(QUANTITIES)}
     if quantity not in known:
         raise ValueError(f"quantity must be one of {', '.join(known)}, got {quantity!r}")
     scalars = [np.dtype(dtype).type(value) for value in arguments(family, parameters)]
     ufunc = known[quantity]
-    columns = ufunc.nin - len(scalars)
+    columns = len(QUANTITIES[quantity].arguments)
     rows = [_numbers(value, columns, quantity) for value in values]
     points = np.array(rows, dtype=dtype).reshape(-1, columns)
     with np.errstate(all="ignore"):

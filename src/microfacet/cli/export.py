@@ -13,6 +13,8 @@ import microfacet as mf
 from microfacet._export.choice import SCHEMES
 from microfacet._export.functions import FRESNEL, FUNCTIONS, GROUPS, OPTICS
 from microfacet._export.languages import languages
+from microfacet.cli.densities import DensityCommand, density_option
+from microfacet.cli.parameters import shape_options
 from microfacet.cli.printing import announce, console, show, where
 
 __all__ = ["export"]
@@ -22,26 +24,29 @@ _AXES = {"alpha_x": "Roughness along x.", "alpha_y": "Roughness along y."}
 
 def _parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """An option for each parameter that a family or a material has; those given become `fixed`."""
-    owners: dict[str, list[str]] = {}
-    for family in mf.families():
-        for parameter in family.parameters[1:]:
-            owners.setdefault(parameter.name, []).append(family.name)
-    helps = {"alpha": "Roughness.", **_AXES}
-    helps |= {name: f"Shape of {' and '.join(names)}." for name, names in owners.items()}
-    helps |= dict.fromkeys(OPTICS, "Of materials.")
+    before = {"alpha": "Roughness.", **_AXES}
+    after = dict.fromkeys(OPTICS, "Of materials.")
 
     @functools.wraps(command)
-    def wrapped(**given: Any) -> Any:
-        fixed = {name: given.pop(name) for name in helps}
+    def wrapped(shape_given: dict[str, float], **given: Any) -> Any:
+        fixed = {name: given.pop(name) for name in (*before, *after)}
         rotation = given.pop("rotation")
         fixed["rotation"] = None if rotation is None else math.radians(rotation)
-        return command(fixed={name: value for name, value in fixed.items() if value is not None}, **given)
+        fixed = {name: value for name, value in fixed.items() if value is not None}
+        return command(fixed=fixed | shape_given, **given)
 
     wrapped = click.option("--rotation", type=float, metavar="DEGREES", help="Of the axes.")(wrapped)
-    for name, text in reversed(helps.items()):
-        option = click.option(f"--{name.replace('_', '-')}", name, type=float, metavar="X", help=text)
-        wrapped = option(wrapped)
-    return wrapped
+    return _options(before)(shape_options()(_options(after)(wrapped)))
+
+
+def _options(helps: dict[str, str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for name, text in reversed(helps.items()):
+            flag = f"--{name.replace('_', '-')}"
+            command = click.option(flag, name, type=float, metavar="X", help=text)(command)
+        return command
+
+    return decorate
 
 
 def _show_list(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -57,9 +62,10 @@ def _names(_: click.Context, __: click.Parameter, text: str | None) -> list[str]
     return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
 
 
-@click.command()
+@click.command(cls=DensityCommand)
 @click.argument("language")
 @click.argument("family")
+@density_option
 @click.option("--functions", callback=_names, metavar="NAMES", help="Separated by commas.",
               default="D,G1,sample_visible,pdf_visible", show_default=True)  # fmt: skip
 @click.option("--free", callback=_names, metavar="NAMES", help="Arguments; all that have no value otherwise.")
@@ -75,7 +81,7 @@ def _names(_: click.Context, __: click.Parameter, text: str | None) -> list[str]
               help="Print the languages and functions.")  # fmt: skip
 def export(
     language: str,
-    family: str,
+    family: Any,
     functions: list[str],
     free: list[str] | None,
     fixed: dict[str, float],
@@ -89,6 +95,7 @@ def export(
     Examples:
       microfacet export glsl student_t
       microfacet export c ggx --functions D,sigma --anisotropic -o ggx.h
+      microfacet export glsl --density own.json --functions D,G1
       microfacet export wgsl student_t --functions conductor --gamma 2.5 --fresnel schlick -o metal.wgsl
     """
     given: dict[str, Any] = {**options, **fixed}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 
 import click
 
@@ -23,7 +22,10 @@ def families(as_json: bool) -> None:
             {
                 "name": family.name,
                 "title": family.title,
-                "parameters": [finite(asdict(parameter)) for parameter in family.parameters],
+                "parameters": [
+                    finite({"name": own.name, "lower": own.lower, "upper": own.upper})
+                    for own in family.parameters
+                ],
                 "anisotropic": family.anisotropic,
                 "sources": list(family.sources),
             }

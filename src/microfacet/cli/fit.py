@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from microfacet._text import printable
+from microfacet.cli.densities import densities_option
 from microfacet.cli.printing import announce, console, progress_line, say, show, where
 from microfacet.cli.program import families_option, json_option
 from microfacet.cli.surfaces import surface_options
@@ -29,6 +30,7 @@ __all__ = ["fit"]
 @click.argument("files", nargs=-1, metavar="[FILE]...")
 @surface_options
 @families_option
+@densities_option
 @click.option("--terrain", is_flag=True, help="Fit the terrain that ships with matplotlib: no FILE.")
 @click.option("--scales/--no-scales", default=True, help="Fit at lags 1, 2, 4, ... too (default).")
 @click.option(
@@ -52,7 +54,7 @@ def fit(
     ctx: click.Context,
     files: tuple[str, ...],
     reading: dict[str, Any],
-    families: tuple[str, ...],
+    families: tuple[Any, ...],
     terrain: bool,
     scales: bool,
     angles: tuple[float, ...],
@@ -75,6 +77,7 @@ def fit(
       microfacet fit scan.x3p --l-filter 8e-4 --report scan.html
       microfacet fit *.x3p --dask tcp://10.0.0.5:8786 --json
       microfacet fit slopes.parquet --slopes table
+      microfacet fit scan.x3p --density own.json --family ggx
     """
     if bool(files) == terrain:
         raise click.UsageError("give at least one FILE, or --terrain")

@@ -33,7 +33,7 @@ class Job:
 
     file: str
     reading: dict[str, Any] = field(default_factory=dict)
-    families: tuple[str, ...] = ()
+    families: tuple[Any, ...] = ()  # names, or families of one's own
     scales: bool = True
     max_slopes: int | None = None
     angles: tuple[float, ...] = ANGLES

@@ -11,7 +11,8 @@ import click
 import microfacet as mf
 from microfacet import _render
 from microfacet._optional import require
-from microfacet.cli.parameters import family_named, stretched
+from microfacet.cli.densities import densities_option
+from microfacet.cli.parameters import family_named, shape_options, stretched
 from microfacet.cli.printing import announce, progress_line, say, where
 from microfacet.cli.program import families_option, json_option
 from microfacet.cli.render import look_options, writable
@@ -36,6 +37,7 @@ class _Alphas(click.ParamType[tuple[float, ...]]):
 
 @click.command()
 @families_option
+@densities_option
 @click.option(
     "--alpha",
     "--alphas",
@@ -46,8 +48,7 @@ class _Alphas(click.ParamType[tuple[float, ...]]):
     metavar="X,X,...",
     help="Roughnesses, one row each.",
 )
-@click.option("--gamma", type=float, metavar="X", help="Tail of gtr (1.5 without) and student_t (3).")
-@click.option("--a", type=float, metavar="X", help="Shape of bessel_k (0.5 without).")
+@shape_options(say_pictured=True)
 @look_options
 @click.option(
     "--size",
@@ -67,10 +68,9 @@ class _Alphas(click.ParamType[tuple[float, ...]]):
 )
 @json_option
 def gallery(
-    families: tuple[str, ...],
+    families: tuple[Any, ...],
     alphas: tuple[float, ...],
-    gamma: float | None,
-    a: float | None,
+    shape_given: dict[str, float],
     material: str,
     ior: float,
     scattering: str,
@@ -91,12 +91,8 @@ def gallery(
     """
     path = writable(output, (".png", ".jpg", ".jpeg"))
     entries = [family_named(name) for name in families or [family.name for family in mf.families()]]
-    given = {"gamma": gamma, "a": a}
     shapes = {
-        entry.name: {
-            name: default if (value := given[name]) is None else value
-            for name, default in _render.SHAPES.get(entry.name, {}).items()
-        }
+        entry.name: {own.name: shape_given.get(own.name, own.pictured) for own in entry.parameters[1:]}
         for entry in entries
     }
     cells = [
@@ -106,6 +102,7 @@ def gallery(
             material,
             ior,
             scattering,
+            getattr(entry, "ndf", None),
         )
         for alpha in alphas
         for entry in entries

@@ -16,6 +16,7 @@ import microfacet as mf
 from microfacet import _render
 from microfacet._files import read_json
 from microfacet._text import listed
+from microfacet.cli.densities import DensityCommand, density_option
 from microfacet.cli.parameters import axes_options, family_named, parameter_options, stretched
 from microfacet.cli.printing import announce, progress_line, say, where
 from microfacet.cli.program import json_option
@@ -88,8 +89,9 @@ def writable(path: str, formats: tuple[str, ...]) -> str:
     return path
 
 
-@click.command()
+@click.command(cls=DensityCommand)
 @click.argument("family", required=False)
+@density_option
 @parameter_options
 @axes_options
 @click.option(
@@ -112,7 +114,7 @@ def writable(path: str, formats: tuple[str, ...]) -> str:
 )
 @json_option
 def render(
-    family: str | None,
+    family: Any,
     parameters: dict[str, float],
     fitted: TextIO | None,
     chosen: str | None,
@@ -137,6 +139,7 @@ def render(
       microfacet render student_t --alpha 0.2 --gamma 2.5 --material Cu -o copper.png
       microfacet render k0 --alpha 0.1 --ior 1.5 --spp 1024 -o glass.png -o glass.exr
       microfacet render ggx --alpha-x 0.05 --alpha-y 0.3 --rotation 30 --scene sphere
+      microfacet render --density own.json --alpha 0.2
       microfacet fit scan.x3p --json | microfacet render --fit - --material Al
     """
     paths = [writable(path, tuple(_render.FORMATS)) for path in outputs or ("render.png",)]
@@ -147,14 +150,17 @@ def render(
         raise click.UsageError("--fit brings the parameters: choose one of its families with --family")
     else:
         family, parameters = _of_fit(fitted, chosen)
-    ndf = stretched(family_named(family), parameters)
-    look = _render.Look(family, ndf.parameters, material, ior, scattering)
+    entry = family_named(family)
+    ndf = stretched(entry, parameters)
+    look = _render.Look(
+        entry.name, ndf.parameters, material, ior, scattering, ndf if isinstance(ndf, mf.RadialNDF) else None
+    )
     begin = time.monotonic()
     used = _render.start(variant, say)
     look.check()
     with progress_line() as progress:
         radiance = _render.render(
-            look, scene, size, spp, seed, lambda done, total: progress(f"{family}, samples", done, total)
+            look, scene, size, spp, seed, lambda done, total: progress(f"{entry.name}, samples", done, total)
         )
     record = {
         **look.record(),

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from microfacet._files import ending, replacing
 from microfacet._optional import needed
+from microfacet.cli.densities import DensityCommand, density_option
 from microfacet.cli.parameters import distribution, family_named, parameter_options
 from microfacet.cli.printing import announce, progress_line, where
 from microfacet.cli.program import json_option
@@ -30,8 +31,9 @@ Progress = Callable[[str, int, int], None]
 _BLOCK = 2**16
 
 
-@click.command()
+@click.command(cls=DensityCommand)
 @click.argument("family")
+@density_option
 @click.option(
     "-n", "--count", type=click.IntRange(min=1), default=10, show_default=True, help="How many normals."
 )

@@ -10,6 +10,7 @@ import numpy as np
 
 import microfacet as mf
 from microfacet._files import ending, replacing
+from microfacet.cli.densities import DensityCommand, density_option
 from microfacet.cli.parameters import axes_options, family_named, parameter_options, stretched
 from microfacet.cli.printing import announce, where
 from microfacet.cli.program import json_option
@@ -17,8 +18,9 @@ from microfacet.cli.program import json_option
 __all__ = ["synthesize"]
 
 
-@click.command()
+@click.command(cls=DensityCommand)
 @click.argument("family")
+@density_option
 @parameter_options
 @axes_options
 @click.option(
@@ -56,7 +58,8 @@ def synthesize(
       microfacet synthesize ggx --alpha-x 0.3 --alpha-y 0.1 --rotation 30 --shape 2048 512 -o map.npz
     """
     ending(output, (".npz",), ".npz")
-    ndf = stretched(family_named(family), parameters)
+    entry = family_named(family)
+    ndf = stretched(entry, parameters)
     surface = mf.synthesize(ndf, (shape[1], shape[0]), **how)
     with replacing(output) as stream:
         np.savez(
@@ -67,7 +70,12 @@ def synthesize(
             made=surface.steps[0],
         )
     if as_json:
-        record = {"family": family, "parameters": ndf.parameters, "seed": how["seed"], "steps": surface.steps}
+        record = {
+            "family": entry.name,
+            "parameters": ndf.parameters,
+            "seed": how["seed"],
+            "steps": surface.steps,
+        }
         roughness = mf.roughness(surface)._asdict()
         announce(json.dumps({"path": where(output), **record, "roughness": roughness}), output)
     else:

@@ -102,7 +102,7 @@ def taken(options: dict[str, Any]) -> dict[str, Any]:
 
 def write_texture(
     kind: str,
-    family: str,
+    family: Any,
     shape: Any,
     output: str,
     threads: int | None,
@@ -117,7 +117,7 @@ def write_texture(
     import microfacet as mf
     from microfacet._bake.texture.snippets import require_names, suffix
 
-    prefix = require_names(snippets, f"{family}_" if prefix is None else prefix)
+    prefix = require_names(snippets, f"{getattr(family, 'name', family)}_" if prefix is None else prefix)
     with progress_line() as progress:
         table = mf.lookup_texture(
             kind.replace("-", "_"),

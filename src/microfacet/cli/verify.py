@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -60,12 +60,24 @@ def verify(
     if not results:
         raise click.UsageError("no check applies at these parameters")
     if out is None:
-        click.echo(json.dumps([result.as_dict() for result in results], indent=1, allow_nan=False))
+        click.echo(json.dumps(_record(results), indent=1, allow_nan=False))
     else:
         _print(out, items, results)
-        for line in _summary(items, results):
+        _count(out, results)
+        for line in _summary(results):
             click.echo(line)
     ctx.exit(0 if all(result.passed for result in results) else 1)
+
+
+def _record(results: Sequence[CheckResult]) -> dict[str, Any]:
+    """What --json prints: how the statements went, family by family, and each check at each point."""
+    from microfacet import _checks
+
+    families = {
+        family: {kind: tally._asdict() for kind, tally in kinds.items()}
+        for family, kinds in _checks.tallies(results).items()
+    }
+    return {"families": families, "checks": [result.as_dict() for result in results]}
 
 
 def _print(out: Console, items: Sequence[CheckItem], results: Sequence[CheckResult]) -> None:
@@ -78,7 +90,7 @@ def _print(out: Console, items: Sequence[CheckItem], results: Sequence[CheckResu
     by_id: dict[str, list[CheckResult]] = {}
     for result in results:
         by_id.setdefault(result.id, []).append(result)
-    sides = ("left side", "right side", "residual", "tolerance")
+    sides = ("left side", "right side", "residual", "tolerance", "algebra")
     statistics = ("chi-square", "degrees of freedom", "p-value", "least accepted")
     for histograms, headings, numbers in ((False, sides, _sides), (True, statistics, _statistics)):
         table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
@@ -112,6 +124,7 @@ def _sides(result: CheckResult) -> list[str]:
         f"{result.rhs:.10g}",
         f"{result.residual:.1e}",
         f"{result.tolerance:.1e}",
+        result.symbolic or "",
     ]
 
 
@@ -121,18 +134,38 @@ def _statistics(result: CheckResult) -> list[str]:
     return [f"{result.lhs:.5g}", f"{result.rhs:g}", f"{p_value(result):.2g}", f"{SIGNIFICANCE:g}"]
 
 
-def _summary(items: Sequence[CheckItem], results: Sequence[CheckResult]) -> list[str]:
-    """How many checks hold: the notebooks', then the further ones; one holds if all its results do."""
-    held: dict[str, bool] = {}
-    for result in results:
-        held[result.id] = held.get(result.id, True) and result.passed
+def _count(out: Console, results: Sequence[CheckResult]) -> None:
+    """Family by family: how many statements its notebook has, were checked, and hold; then our own."""
+    from rich import box
+    from rich.table import Table
+
+    from microfacet import _checks
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("family")
+    for heading in ("notebook's statements", "checked", "hold", "further ones", "checked", "hold"):
+        table.add_column(heading, justify="right")
+    for family, kinds in _checks.tallies(results).items():
+        table.add_row(family, *(str(number) for tally in kinds.values() for number in tally))
+    out.print(table)
+
+
+def _summary(results: Sequence[CheckResult]) -> list[str]:
+    """How many checks hold: the notebooks', then the further ones; why algebra was not run."""
+    from microfacet import _checks
+    from microfacet._optional import installed, sentence
+
+    families = _checks.tallies(results).values()
     lines = []
-    for kind, notebook in (("notebook", True), ("further", False)):
-        ids = [item.id for item in items if item.notebook == notebook and item.id in held]
-        if ids:
-            lines.append(f"{sum(held[name] for name in ids)} of {len(ids)} {kind} checks hold")
-    if len(results) > len(held):
-        lines.insert(0, f"{len(results)} points; the table shows the worst of each check")
+    if len({result.id for result in results}) < len(results):
+        lines.append(f"{len(results)} points; the table shows the worst of each check")
+    if any(result.symbolic == _checks.NOT_RUN for result in results) and not installed("sympy"):
+        lines.append(f"algebra was not run: {sentence('it needs', 'sympy')}")
+    for kind in ("notebook", "further"):
+        checked = sum(kinds[kind].checked for kinds in families)
+        held = sum(kinds[kind].held for kinds in families)
+        if checked:
+            lines.append(f"{held} of {checked} {kind} checks hold")
     return lines
 
 

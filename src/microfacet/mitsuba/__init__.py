@@ -25,6 +25,7 @@ import sys
 from pathlib import Path
 
 from microfacet._optional import needed
+from microfacet.mitsuba._table import table, write_table
 
 if sys.platform == "win32":
     raise ImportError("microfacet.mitsuba compiles its plugins on Linux and macOS only")
@@ -33,7 +34,7 @@ with needed("microfacet.mitsuba needs"):
 
     from microfacet.mitsuba import _build, _cache, _llvm
 
-__all__ = ["cache_directory", "register"]
+__all__ = ["cache_directory", "register", "table", "write_table"]
 
 _libraries: dict[str, ctypes.CDLL] = {}  # by variant
 

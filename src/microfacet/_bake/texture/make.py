@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import microfacet as mf
-from microfacet._bake.recipe import grid, one_of, shape_name
+from microfacet._bake.recipe import entry_of, grid, one_of, shape_name
 from microfacet._bake.texture.axes import Axis, shape_axis, texel_axis
 from microfacet._bake.texture.files import format_of, require_writer
 from microfacet._bake.texture.rows import CHANNELS, Row, row
 from microfacet._bake.texture.table import LookupTexture
+from microfacet._radial import RadialNDF
 
 __all__ = ["lookup_texture"]
 
@@ -34,7 +34,7 @@ TYPES = ("float32", "float16")
 
 def lookup_texture(
     kind: str,
-    family: str,
+    family: str | RadialNDF,
     *,
     size: tuple[int, int] = (64, 64),
     shape: ArrayLike | None = None,
@@ -57,8 +57,8 @@ def lookup_texture(
     kind : {"albedo", "energy", "split_sum"}
         The albedo E of a perfect mirror and its average; 1 - E and its average; or scale and bias of the
         albedo F0 scale + bias of a metal with Schlick's reflectance.
-    family : str
-        Such as "student_t".
+    family : str or RadialNDF
+        Such as "student_t"; or a density of your own, at the roughnesses of the texels.
     size : (int, int)
         Texels along the cosine, and along the roughness.
     shape : array_like
@@ -112,10 +112,11 @@ def lookup_texture(
     one_of(OWNER, "dtype", dtype, TYPES)
     if not isinstance(check, int | np.integer) or check < 0:
         raise ValueError(f"{OWNER}: check must be a whole number in [0, inf), got {check!r}")
-    cosine, roughness, third = _axes(family, size, shape, cosine_mapping, roughness_mapping)
+    entry = entry_of(OWNER, family)
+    cosine, roughness, third = _axes(entry, size, shape, cosine_mapping, roughness_mapping)
     if output is not None:
         require_writer(format_of(output, format))
-    make = _maker(family, third)
+    make = _maker(entry, third)
     places = [(alpha, value) for value in (third.values if third else (0.0,)) for alpha in roughness.values]
     for place in (places[0], places[-1]):
         make(*place)  # the ends of the grids: constructors say what lies outside
@@ -123,11 +124,11 @@ def lookup_texture(
     values = np.empty((len(places), cosine.count, len(CHANNELS[kind])))
     error = 0.0
     for done, (at, found) in enumerate(rows):
-        progress(f"{kind} of {family}", done, len(places))
+        progress(f"{kind} of {entry.name}", done, len(places))
         values[at], error = found.values, max(error, found.error)
     table = LookupTexture(
         kind=kind,
-        family=family,
+        family=entry.name,
         values=values.reshape(-1, roughness.count, *values.shape[1:]).astype(dtype),
         cosine=cosine,
         roughness=roughness,
@@ -135,7 +136,7 @@ def lookup_texture(
         errors={"quadrature": error},
     )
     if check:
-        progress(f"comparing {kind} of {family}", 0, check)
+        progress(f"comparing {kind} of {entry.name}", 0, check)
         table = table._with_errors({"quadrature": error, "lookup": _measured(table, make, check, threads)})
     if output is not None:
         table.save(output, format)
@@ -143,7 +144,7 @@ def lookup_texture(
 
 
 def _axes(
-    family: str, size: tuple[int, int], shape: ArrayLike | None, cosine_mapping: str, roughness_mapping: str
+    entry: Any, size: tuple[int, int], shape: ArrayLike | None, cosine_mapping: str, roughness_mapping: str
 ) -> tuple[Axis, Axis, Axis | None]:
     """Those of these arguments, or one sentence that says which of them is wrong."""
     for name, mapping in (("cosine_mapping", cosine_mapping), ("roughness_mapping", roughness_mapping)):
@@ -154,10 +155,10 @@ def _axes(
         and all(isinstance(n, int | np.integer) and 2 <= n <= _LARGEST for n in size)
     ):
         raise ValueError(f"{OWNER}: size must be two whole numbers in [2, {_LARGEST}], got {size!r:.80}")
-    name = shape_name(family, OWNER)
+    name = shape_name(entry)
     if bool(name) != (shape is not None):
         text = f"needs {name}, its shape" if name else "has no shape parameter"
-        raise ValueError(f"{OWNER}: {family} {text}")
+        raise ValueError(f"{OWNER}: {entry.name} {text}")
     third = None if shape is None else shape_axis(name, grid(name, shape, OWNER))
     texels = size[0] * size[1] * (third.count if third else 1)
     if texels > _TEXELS:
@@ -169,9 +170,9 @@ def _axes(
     )
 
 
-def _maker(family: str, third: Axis | None) -> Maker:
+def _maker(entry: Any, third: Axis | None) -> Maker:
     """Distributions of a family, from alpha and the shape."""
-    cls: Any = next(entry.cls for entry in mf.families() if entry.name == family)
+    cls: Any = entry.cls
     return lambda alpha, value: cls(alpha=alpha) if third is None else cls(alpha=alpha, **{third.name: value})
 
 

@@ -13,6 +13,7 @@ from microfacet._bake.texture.axes import Axis
 from microfacet._bake.texture.files import write
 from microfacet._bake.texture.rows import CHANNELS
 from microfacet._bake.texture.snippets import snippet
+from microfacet._family import families
 from microfacet._value import Value
 
 __all__ = ["LookupTexture"]
@@ -104,7 +105,9 @@ class LookupTexture(Value):
     def command(self) -> str:
         """What makes it again on the command line."""
         _, height, width, _ = self.values.shape
-        words = ["microfacet bake", self.kind.replace("_", "-"), self.family, f"--size {width}x{height}"]
+        known = any(self.family == family.name for family in families())
+        words = ["microfacet bake", self.kind.replace("_", "-"), self.family if known else "--density FILE"]
+        words.append(f"--size {width}x{height}")
         if self.shape is not None:
             words.append(f"--{self.shape.name} {','.join(map(repr, self.shape.values))}")
         for axis, default in ((self.cosine, "linear"), (self.roughness, "sqrt")):

@@ -44,6 +44,11 @@ class CheckGroup:
         """How many hold."""
         return sum(result.passed for _, result in self.rows)
 
+    def count(self, notebook: bool) -> tuple[int, int]:
+        """(passed, total) of the statements of the family's notebook, or of those beyond it."""
+        results = [result.passed for item, result in self.rows if item.notebook == notebook]
+        return sum(results), len(results)
+
 
 @dataclass(frozen=True)
 class FamilySection:
@@ -76,8 +81,8 @@ class Content:
 
     def count(self, notebook: bool) -> tuple[int, int]:
         """(passed, total) of the notebooks' checks, or of those beyond them."""
-        results = [r.passed for group in self.checks for item, r in group.rows if item.notebook == notebook]
-        return sum(results), len(results)
+        counts = [group.count(notebook) for group in self.checks]
+        return sum(passed for passed, _ in counts), sum(total for _, total in counts)
 
 
 def collect(
@@ -90,8 +95,10 @@ def collect(
     """Draw every figure and run every check."""
     families = parameters_of.choose(names, parameters)
     chosen = tuple(family.name for family in families)
+    with_density = [family.name for family in families if not family.singular]
     items = {} if quick else {item.id: item for item in _checks.catalogue() if item.family in chosen}
-    steps = 1 + _FIGURES_PER_FAMILY * len(families) + 3 + len(items) + (5 if surface is not None else 0)
+    figures_of = {family.name: 1 if family.singular else _FIGURES_PER_FAMILY for family in families}
+    steps = 1 + sum(figures_of.values()) + 4 + len(items) + (5 if surface is not None else 0)
     done = 0
 
     def step(what: str, by: int = 1) -> None:
@@ -106,21 +113,22 @@ def collect(
         for family in families:
             blocks = []
             example = parameters_of.example(family, parameters)
-            drawn = (
-                figures.family_figures(family, example),
-                sampling.sampling_figures(family, example),
-                materials.material_figures(family, example),
-            )
+            drawn = [figures.family_figures(family, example)]
+            if not family.singular:
+                drawn.append(sampling.sampling_figures(family, example))
+                drawn.append(materials.material_figures(family, example))
             for block in itertools.chain(*drawn):
                 step(f"{family.title}: figures")
                 blocks.append(block)
             sections.append(FamilySection(family, formulas.load().families[family.name], tuple(blocks)))
-        step("comparisons", 3)
+        step("comparisons", 4)
         comparisons = tuple(cross.comparison_figures(chosen, parameters))
         section = None
         if surface is not None:
             step("measured surface", 5)
-            section = measured_surface(surface, mf.fit(surface, families=chosen, max_slopes=_MAX_SLOPES))
+            section = measured_surface(
+                surface, mf.fit(surface, families=with_density, max_slopes=_MAX_SLOPES)
+            )
     results: dict[str, list[tuple[Any, Any]]] = {name: [] for name in chosen}
     if items:
         for result in _checks.run(families=chosen, parameters=parameters):

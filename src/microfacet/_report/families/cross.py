@@ -1,4 +1,4 @@
-"""Figures that set families side by side: all six, K0 beside Beckmann, and the limits."""
+"""Figures that set families side by side: all of them, K0 beside Beckmann, and the limits."""
 
 from __future__ import annotations
 
@@ -7,23 +7,29 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 import microfacet as mf
 from microfacet import plot
 from microfacet._report.families.parameters import example
 from microfacet._report.figure import INK, REFERENCE, SERIES, FigureBlock, panel
 
-__all__ = ["comparison_figures", "overview"]
+__all__ = ["comparison_figures", "overview", "reflectance"]
+
+Array = NDArray[np.float64]
 
 
 def overview(families: Collection[Any], parameters: Mapping[str, float] | None) -> FigureBlock:
     """All families at the same roughness."""
     shown = [(family.title, example(family, parameters).curves) for family in families]
+    singular = [family.title for family in families if family.singular]
 
     def density(ax: Axes) -> None:
         for title, ndf in shown:
-            plot.density(ndf, ax, log=True, label=title)
-        ax.set_ylim(1e-4, None)
+            if title not in singular:
+                plot.density(ndf, ax, log=True, label=title)
+        if len(singular) < len(shown):
+            ax.set_ylim(1e-4, None)
 
     def masking(ax: Axes) -> None:
         for title, ndf in shown:
@@ -48,6 +54,7 @@ def comparison_figures(
     alpha = (parameters or {}).get("alpha")
     if {"k0", "beckmann"} <= set(names):
         yield _k0_beside_beckmann(alpha or 0.5)
+        yield _k0_shines_however_rough(alpha or 0.2)
     if {"student_t", "beckmann"} <= set(names):
         yield _student_t_to_beckmann(alpha or 0.5)
     if {"gtr", "ggx"} <= set(names):
@@ -67,6 +74,44 @@ def _k0_beside_beckmann(alpha: float) -> FigureBlock:
         ),
         f"K0 beside Beckmann at $\\alpha={alpha:g}$. K0 rises without bound at the macronormal, falls below "
         "Beckmann at middle angles and above it again at steep ones; both integrate to one.",
+    )
+
+
+def reflectance(ndf: Any, off: Array) -> Array:
+    """The BRDF of a mirror lit along its normal, at these angles from the mirror direction."""
+    wo = np.stack([np.sin(off), np.zeros_like(off), np.cos(off)], axis=-1)
+    return np.asarray(mf.Conductor(ndf).eval([0.0, 0.0, 1.0], wo) / wo[:, 2])
+
+
+def _k0_shines_however_rough(alpha: float) -> FigureBlock:
+    off = np.geomspace(1e-8, 1.0, 240)
+    curves = [
+        (rough, reflectance(mf.K0(alpha=rough), off), reflectance(mf.Beckmann(alpha=rough), off))
+        for rough in (alpha, 5 * alpha, 25 * alpha)
+    ]
+
+    def draw(ax: Axes, scaled: bool) -> None:
+        for (rough, k0, beckmann), (color, _) in zip(curves, SERIES, strict=False):
+            scale = 4 * np.pi * rough**2 if scaled else 1.0
+            ax.semilogx(off, scale * k0, color=color, label=rf"K0, $\alpha = {rough:g}$")
+            last = "Beckmann" if rough == curves[-1][0] else None
+            ax.semilogx(off, scale * beckmann, color=color, linestyle=(0, (4, 2)), label=last)
+        ax.set(xlabel="angle from the mirror direction (rad)", xlim=(1e-8, 1.0))
+        if not scaled:
+            ax.set_yscale("log")
+            ax.set_ylim(0.005 * curves[-1][2][0], None)  # room for the legend
+        ax.set_ylabel("over the peak of Beckmann" if scaled else "BRDF (1/sr)")
+
+    return FigureBlock(
+        "k0-mirror",
+        (
+            panel("km-l", "BRDF of K0 and Beckmann, logarithmic", lambda ax: draw(ax, False), "lower left"),
+            panel("km-s", "BRDF of K0 over the peak of Beckmann's", lambda ax: draw(ax, True), None),
+        ),
+        "However rough, K0 stays shiny: the BRDF of a mirror, lit along its normal, against the angle "
+        "$\\delta$ from the mirror direction. Beckmann's with the same $\\alpha$ (dashed) levels off at "
+        "$1/(4\\pi\\alpha^2)$. Over this peak, K0 rises in straight lines, by $2\\ln 10$ a decade and "
+        "without end: it is $2K_0(2t)$ there, $t=\\tan(\\delta/2)/\\alpha$.",
     )
 
 

@@ -25,6 +25,9 @@ FLAT = 1e-5  # slope
 
 def family_figures(family: Any, example: Example) -> Iterator[FigureBlock]:
     """The figures of one family, one by one, so that a caller can tell how far it is."""
+    if family.singular:  # no density to draw
+        yield _masking(family, example)
+        return
     yield _density(family, example)
     yield _slopes(family, example)
     yield _masking(family, example)
@@ -128,7 +131,7 @@ def two_routes(family: Any, example: Example) -> FigureBlock:
     flat = 1.0 - family.kernels.survival(FLAT, *arguments)
     integral = np.maximum(u, 0.0) * flat + delta_integral(family.kernels, u, FLAT, *arguments)
     difference = np.abs(closed - integral)
-    color = plot.COLORS[family.name]
+    color = plot.style(family.name)[0]
 
     figure = Figure(figsize=TALL)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1), gridspec_kw={"hspace": 0.12})

@@ -9,19 +9,6 @@ import microfacet as mf
 
 __all__ = ["Example", "choose", "example"]
 
-#: The curves' parameters, then those of the notebooks' figures: the two routes to sigma, the samples.
-_NOTEBOOK: dict[str, tuple[dict[str, float], dict[str, float], dict[str, float]]] = {
-    "beckmann": ({"alpha": 0.5}, {"alpha": 0.7}, {"alpha": 1.3}),
-    "ggx": ({"alpha": 0.5}, {"alpha": 0.2}, {"alpha": 0.6}),
-    "gtr": ({"alpha": 0.5, "gamma": 1.5}, {"alpha": 0.1, "gamma": 1.0}, {"alpha": 0.2, "gamma": 1.0}),
-    "student_t": ({"alpha": 0.5, "gamma": 3.0}, {"alpha": 0.7, "gamma": 3.0}, {"alpha": 1.2, "gamma": 2.3}),
-    "k0": ({"alpha": 0.5}, {"alpha": 0.8}, {"alpha": 1.7}),
-    "bessel_k": ({"alpha": 0.5, "a": 1.6}, {"alpha": 2.1, "a": 1.5}, {"alpha": 0.7, "a": 1.3}),
-}
-
-#: The values of a shape parameter that one figure sets side by side.
-SHAPES = {"gtr": (1.0, 1.5, 3.0), "student_t": (1.7, 2.0, 5.0), "bessel_k": (0.6, 1.0, 4.0)}
-
 
 class Example(NamedTuple):
     """A family's distributions as the report draws them."""
@@ -52,16 +39,16 @@ def choose(names: Collection[str] | None, parameters: Mapping[str, float] | None
 
 
 def example(family: Any, parameters: Mapping[str, float] | None) -> Example:
-    """Distributions of a family: the notebooks' parameters, save those that `parameters` replaces."""
+    """Distributions of a family: the parameters of its figures, save those that `parameters` replaces."""
     given = parameters or {}
-    own = {p.name: given[p.name] for p in family.parameters if p.name in given}
-    curves, sigma, samples = (notebook | own for notebook in _NOTEBOOK[family.name])
+    names = [parameter.name for parameter in family.parameters]
+    own = {name: given[name] for name in names if name in given}
+    curves, sigma, samples = (dict(zip(names, values, strict=True)) | own for values in family.figures)
     roughness = [curves | {"alpha": curves["alpha"] * factor} for factor in (0.5, 1.0, 2.0)]
-    shapes = []
-    if len(family.parameters) > 1:
-        name = family.parameters[1].name
-        values = {*SHAPES[family.name], *([own[name]] if name in own else [])}
-        shapes = [curves | {name: value} for value in sorted(values)]
+    shapes: list[dict[str, float]] = []
+    for shape in family.parameters[1:]:
+        values = {*shape.examples, *([own[shape.name]] if shape.name in own else [])}
+        shapes += [curves | {shape.name: value} for value in sorted(values)]
     return Example(
         family.cls(**curves),
         tuple(family.cls(**p) for p in roughness),

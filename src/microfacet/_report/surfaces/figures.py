@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 
 import microfacet as mf
 from microfacet import plot
+from microfacet._family.looks import symbol
 from microfacet._report.figure import INK, REFERENCE, FigureBlock, inline_svg, panel
 from microfacet._report.surfaces.relief import length
 
@@ -72,6 +73,11 @@ def scale_figure(scales: Any) -> FigureBlock:
     lengths = np.asarray(scales.lengths)
     by_lag = [{result.family: result for result in results} for results in scales.results]
     names = [result.family for result in scales.results[0]]
+    shapes = {
+        family.name: family.parameters[1].name
+        for family in mf.families()
+        if family.name in names and len(family.parameters) > 1
+    }
 
     def roughness(ax: Axes) -> None:
         for name in names:
@@ -84,16 +90,15 @@ def scale_figure(scales: Any) -> FigureBlock:
         _axes_of_scales(ax, lengths, r"$\sqrt{\alpha_x \alpha_y}$")
 
     def shape(ax: Axes) -> None:
-        for name in names:
-            own = [key for key in ("gamma", "a") if key in by_lag[0][name].params]
-            if own:
-                values = [fits[name].params[own[0]] for fits in by_lag]
-                errors = np.nan_to_num([fits[name].standard_errors[own[0]] for fits in by_lag])
-                ax.errorbar(lengths, values, yerr=errors, marker="o", markersize=4, **look(name))
-        _axes_of_scales(ax, lengths, r"$\gamma$, $a$")
+        for name, own in shapes.items():
+            values = [fits[name].params[own] for fits in by_lag]
+            errors = np.nan_to_num([fits[name].standard_errors[own] for fits in by_lag])
+            ax.errorbar(lengths, values, yerr=errors, marker="o", markersize=4, **look(name))
+        symbols = ", ".join(f"${symbol(own)}$" for own in dict.fromkeys(shapes.values()))
+        _axes_of_scales(ax, lengths, symbols)
 
     panels = [panel("scalea", "Roughness of each family against the lag", roughness)]
-    if any(key in result.params for result in scales.results[0] for key in ("gamma", "a")):
+    if shapes:
         panels.append(panel("scales", "Shape parameters against the lag", shape))
     return FigureBlock(
         "scales",
@@ -230,6 +235,7 @@ def _mean_alpha(params: dict[str, float]) -> float:
 
 @cache
 def look(name: str) -> dict[str, Any]:
-    """How a family is drawn, and its title."""
+    """How a family is drawn, and its title; one of one's own goes by its name."""
     titles = {family.name: family.title for family in mf.families()}
-    return {"label": titles[name], "color": plot.COLORS[name], "linestyle": plot.DASHES[name]}
+    color, dashes = plot.style(name)
+    return {"label": titles.get(name, name), "color": color, "linestyle": dashes}

@@ -34,15 +34,21 @@ struct table_layout {
   static constexpr std::uint32_t base = cells, shift = cells + 1, integers = cells + 4;
 };
 
-// A density of unit roughness (of roughness alpha for gtr) and its shape parameter; families without one
-// ignore it.
+// A density of unit roughness (of roughness alpha where that is no stretch) and its shape parameter; families
+// without one ignore it.
 struct table_request {
   std::string_view family;
   double alpha, shape;
 };
 
+// Whether the density rises steeply at the normal, perhaps to infinity.
+bool has_peak(const table_request& request);
+
 // What a block holds: what directions need, or that and what sampling needs.
 enum class table_use { directions, all };
+
+// The words before written tables.
+inline constexpr std::string_view tables_heading = "microfacet tables 1:";
 
 // One block for each request.
 struct flat_tables {
@@ -51,6 +57,13 @@ struct flat_tables {
   bool samples = true;  // whether visible normals can be drawn from all blocks that hold all
 
   void append(const table_request& request, table_use use);
+  // Those that `microfacet.mitsuba.table` has written down; what is wrong with the text, or nothing. Whether there is
+  // a peak, as `has_peak`.
+  std::string_view append_written(std::string_view text, bool& peak);
+
+ private:
+  template <class Tables>
+  void flatten_all(const Tables& t);
 };
 
 }  // namespace microfacet::plugin

@@ -3,8 +3,8 @@
 
 #include "traced_tables.hpp"
 #include "variant.hpp"
+#include "ways.hpp"
 
-#include "microfacet/family/all.hpp"
 #include "microfacet/tabulated/tabulated.hpp"
 
 namespace microfacet::plugin {
@@ -20,9 +20,11 @@ class composed : public Closed {
   void sf_over_density() const = delete;
   void closed_slopes() const = delete;
 };
-class composed_beckmann : public composed<beckmann<Float>> {
+template <class Closed>
+class composed_in_closed_form : public composed<Closed> {
  public:
-  Float excess_radius(const Float& v) const { return ierfc_quotient_inverse(v); }
+  using composed<Closed>::composed;
+  Float excess_radius(const Float& v) const { return this->closed_excess_radius(v); }
 };
 
 // The same, with tables of the mean excess, which costs more, and of its inverse.
@@ -48,9 +50,7 @@ class with_table_of_excess : public composed<Closed> {
 template <class Closed>
 class with_tables : public tabulated<Float, tables> {
  public:
-  template <class... Arguments>
-  explicit with_tables(const tables& t, const Arguments&... arguments)
-      : tabulated<Float, tables>(t), closed_(arguments...) {}
+  with_tables(const tables& t, const Closed& closed) : tabulated<Float, tables>(t), closed_(closed) {}
   Float D(const Float& z, const double_double<Float>& h2) const { return closed_.D(z, h2); }
 
  private:
@@ -59,33 +59,19 @@ class with_tables : public tabulated<Float, tables> {
 
 // Parameters: of the density in standard space.
 template <class Closed>
-struct traced {
-  static constexpr bool has_tables = false;
-  static Closed make(const tables*, const Float&, const Float&) { return Closed(); }
-};
-template <>
-struct traced<beckmann<Float>> {
-  static constexpr bool has_tables = false;
-  static auto make(const tables*, const Float&, const Float&) { return composed_beckmann(); }
-};
-template <>
-struct traced<student_t<Float>> {
-  static constexpr bool has_tables = true;
-  static auto make(const tables* t, const Float&, const Float& shape) {
-    return with_table_of_excess<student_t<Float>>(*t, shape);
+auto traced(const tables* t, const Float& alpha, const Float& shape) {
+  constexpr way by = way_of<Closed>();
+  if constexpr (by == way::closed) {
+    return made<Closed>(alpha, shape);
+  } else if constexpr (by == way::composed) {
+    return made<composed_in_closed_form<Closed>>(alpha, shape);
+  } else if constexpr (by == way::table_of_excess) {
+    return made<with_table_of_excess<Closed>>(alpha, shape, *t);
+  } else if constexpr (by == way::closed_density) {
+    return with_tables<Closed>(*t, made<Closed>(alpha, shape));
+  } else {
+    return tabulated<Float, tables>(*t);
   }
-};
-template <>
-struct traced<gtr<Float>> {
-  static constexpr bool has_tables = true;
-  static auto make(const tables* t, const Float& alpha, const Float& shape) {
-    return with_tables<gtr<Float>>(*t, alpha, shape);
-  }
-};
-template <>
-struct traced<bessel_k<Float>> {
-  static constexpr bool has_tables = true;
-  static auto make(const tables* t, const Float&, const Float&) { return tabulated<Float, tables>(*t); }
-};
+}
 
 }  // namespace microfacet::plugin
