@@ -24,13 +24,13 @@ import microfacet as mf
 Array = np.ndarray[Any, Any]
 Call = Callable[[], object]
 
+_CHOSEN = {"student_t": 2.5, "bessel_k": 1.7}  # where it is not the value of pictures
 PARAMETERS: dict[str, dict[str, float]] = {
-    "beckmann": {"alpha": 0.3},
-    "ggx": {"alpha": 0.3},
-    "gtr": {"alpha": 0.3, "gamma": 1.5},
-    "student_t": {"alpha": 0.3, "gamma": 2.5},
-    "k0": {"alpha": 0.3},
-    "bessel_k": {"alpha": 0.3, "a": 1.7},
+    family.name: {
+        "alpha": 0.3,
+        **{own.name: _CHOSEN.get(family.name, own.pictured) for own in family.parameters[1:]},
+    }
+    for family in mf.families()
 }
 #: Samplers of visible normals, by their scheme.
 VISIBLE = {"sample_visible": "continuous", "sample_visible_mixture": "mixture"}
@@ -41,6 +41,9 @@ INTERVALS = {
     "student_t": (1.6, 10.0),
     "bessel_k": (0.3, 8.0),
 }
+for _family in mf.families():
+    for _own in _family.parameters[1:]:
+        INTERVALS.setdefault(_family.name, (_own.examples[0], _own.examples[-1]))
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class Kernel:
 
 def _table() -> tuple[Kernel, ...]:
     families = tuple(PARAMETERS)
-    shaped = ("student_t", "bessel_k", "gtr")
+    shaped = tuple(family for family in families if len(PARAMETERS[family]) > 1)
     return (
         *(Kernel(family, quantity) for family in families for quantity in ("D", "Lambda", "sigma")),
         *(Kernel(family, "D", "x, y, z") for family in families),

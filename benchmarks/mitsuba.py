@@ -18,6 +18,8 @@ import click
 import numpy as np
 from rich.table import Table
 
+import microfacet as mf
+
 from . import machine, renderer
 from .kernels import PARAMETERS
 from .results import write_whole
@@ -25,12 +27,18 @@ from .runner import CONSOLE
 from .timing import Contender, Spread, Times, interleave
 
 ALPHA = 0.3
-OWN = {"gtr": {"gamma": 2.5}, "student_t": {"gamma": 2.5}, "bessel_k": {"a": 1.5}}
+CHOSEN = {"gtr": 2.5, "student_t": 2.5, "bessel_k": 1.5}  # where it is not the value of pictures
 CONSTANTS: dict[str, dict[str, Any]] = {"conductor": {"material": "Au"}, "dielectric": {"int_ior": 1.5}}
 BUILT_IN = ("beckmann", "ggx")
 #: The largest ratio that is good enough: beside the built-in plugin of the same family, or its Beckmann.
 TARGETS = {"ggx": 1.1, "beckmann": 1.1}
 OTHERS = 1.5
+
+
+def own_shape(name: str) -> dict[str, float]:
+    """The shape parameter of a family as a property of a plugin, if it has one."""
+    (family,) = (family for family in mf.families() if family.name == name)
+    return {own.name: CHOSEN.get(name, own.pictured) for own in family.parameters[1:]}
 
 
 @dataclass(frozen=True)
@@ -90,7 +98,7 @@ def contenders(material: str, size: int, samples: int, multiple: bool) -> list[C
                     "type": f"microfacet_{material}",
                     "distribution": family,
                     "scattering": scattering,
-                    **OWN.get(family, {}),
+                    **own_shape(family),
                 },
             )
             for family in PARAMETERS

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from scipy import stats
 
 import microfacet as mf
+from shapes import several_shapes
 
-FAMILIES = {family.name: family for family in mf.families()}
+FAMILIES = {family.name: family for family in mf.families() if not family.singular}
 STRETCH = {"alpha_x": 0.12, "alpha_y": 0.3, "rotation": 0.4}
-SHAPES: dict[str, tuple[float, ...]] = {"student_t": (1.8, 4.0, 6.0), "bessel_k": (0.6, 1.3, 3.0)}
+SHAPES = several_shapes({"student_t": (1.8, 4.0, 6.0), "bessel_k": (0.6, 1.3, 3.0)})
 GTR = ((0.2, 1.0), (0.05, 2.0), (0.4, 3.5))
 
 
@@ -69,7 +70,9 @@ def cases() -> list[Case]:
     found = []
     for name, family in FAMILIES.items():
         if not family.anisotropic:
-            found += [Case(name, (("alpha", alpha), ("gamma", gamma))) for alpha, gamma in GTR]
+            pairs = GTR if name == "gtr" else [(0.2, value) for value in SHAPES[name]]
+            shape = family.parameters[1].name
+            found += [Case(name, (("alpha", alpha), (shape, value))) for alpha, value in pairs]
         elif family.parameters[1:]:
             shape = family.parameters[1].name
             found += [Case(name, (*STRETCH.items(), (shape, value))) for value in SHAPES[name]]

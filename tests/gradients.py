@@ -22,6 +22,7 @@ POINTS: dict[str, tuple[tuple[float, ...], ...]] = {
 }
 OF_COSINE = {"D", "sigma", "Lambda", "G1"}
 PARAMETERS = {"alpha": 0.3125, "gamma": 2.25, "a": 1.75}  # few binary digits: steps from them are exact
+_DIGITS = 256  # to fractions of which values that families state are rounded
 
 # The central difference of the eighth order.
 _WEIGHTS = {1: (4, 5), 2: (-1, 5), 3: (4, 105), 4: (-1, 280)}
@@ -47,7 +48,9 @@ def derivatives(family: str, quantity: str, arguments: tuple[float, ...]) -> tup
 
 def parameters_of(family: Any) -> tuple[float, ...]:
     """The values at which a family is differentiated."""
-    return tuple(PARAMETERS[parameter.name] for parameter in family.parameters)
+    return tuple(
+        PARAMETERS.get(own.name) or round(_DIGITS * own.pictured) / _DIGITS for own in family.parameters
+    )
 
 
 def function_of(functions: Any, family: Any, quantity: str) -> Any:

@@ -91,10 +91,10 @@ def domain(family: Any, quantity: str, columns: list[Array]) -> tuple[Array, Arr
     numbers = ~np.any([np.isnan(c) for c in columns], axis=0)
     x = columns[0]
     with np.errstate(invalid="ignore"):  # some patterns are signalling nans
-        for parameter, column in zip(family.parameters, columns[first:], strict=True):
-            lower, exact = parameter.lower, column.astype(float)
-            if family.name == "student_t" and parameter.name == "gamma" and quantity not in NEED_MEAN:
-                lower = 1.0
+        of_densities = [own.lower for own in family.parameters]
+        of_densities[1:] = [lower for *_, lower in family.cls.kernels.parameters]
+        for parameter, wider, column in zip(family.parameters, of_densities, columns[first:], strict=True):
+            lower, exact = parameter.lower if quantity in NEED_MEAN else wider, column.astype(float)
             numbers &= (exact > lower) & (exact < parameter.upper)
         if quantity in COSINES:
             numbers &= abs(x) <= 1 + ULP_ABOVE_1 * f.eps

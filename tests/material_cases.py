@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import microfacet as mf
+from shapes import one_shape
 
 Array = NDArray[Any]
 
-SHAPES = {"gtr": {"gamma": 1.5}, "student_t": {"gamma": 2.5}, "bessel_k": {"a": 0.7}}
+SHAPES = one_shape({"gtr": 1.5, "student_t": 2.5, "bessel_k": 0.7, "generalised_exponential": 3.0})
 COPPER = ([0.2, 1.04, 1.18], [3.9, 2.6, 2.4])
 ETAS = (1.5, 0.7)
 
@@ -19,7 +20,7 @@ ETAS = (1.5, 0.7)
 def of_family(name: str, alpha: float) -> Any:
     """An isotropic distribution of the family `name`."""
     family = next(f for f in mf.families() if f.name == name)
-    return family.cls(alpha=alpha, **SHAPES.get(name, {}))
+    return family.cls(alpha=alpha, **SHAPES[name])
 
 
 def stretched(name: str, alpha_x: float = 0.3, alpha_y: float = 0.6, rotation: float = 0.4) -> Any:
@@ -27,10 +28,13 @@ def stretched(name: str, alpha_x: float = 0.3, alpha_y: float = 0.6, rotation: f
     family = next(f for f in mf.families() if f.name == name)
     if not family.anisotropic:
         return of_family(name, alpha_x)
-    return family.cls(alpha_x=alpha_x, alpha_y=alpha_y, rotation=rotation, **SHAPES.get(name, {}))
+    # No steeper slopes than GGX's, of which quadrature finds nearly all.
+    steep = float(family.kernels.sample_slope(0.9, 1.0, *SHAPES[name].values()))
+    part = min(1.0, 3.0 / steep)
+    return family.cls(alpha_x=part * alpha_x, alpha_y=part * alpha_y, rotation=rotation, **SHAPES[name])
 
 
-FAMILIES = [family.name for family in mf.families()]
+FAMILIES = [family.name for family in mf.families() if not family.singular]
 
 
 def towards(degrees: float, azimuth: float = 0.0) -> Array:

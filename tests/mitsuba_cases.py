@@ -8,10 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import microfacet as mf
+import numpy as np
 
-SHAPES = {"gtr": (0.5, 1.0, 2.5), "student_t": (1.8, 3.0, 8.0), "bessel_k": (0.4, 1.0, 3.0)}
-NAMES = {"gtr": "gamma", "student_t": "gamma", "bessel_k": "a"}
+import microfacet as mf
+from shapes import NAMES, several_shapes
+
+SHAPES = several_shapes({"gtr": (0.5, 1.0, 2.5), "student_t": (1.8, 3.0, 8.0), "bessel_k": (0.4, 1.0, 3.0)})
 ALPHAS = (0.05, 0.3, 0.8)
 STRETCHED = ((0.05, 0.3), (0.3, 0.8), (0.8, 0.05))
 ANGLES = (0.0, 30.0, 60.0, 80.0, 88.0)
@@ -19,7 +21,7 @@ AZIMUTH = 35.0  # of directions on surfaces that are stretched
 ETA, GLASS = (0.2, 3.9), 1.5
 BUILT_IN = {"conductor": "roughconductor", "dielectric": "roughdielectric"}
 OURS = {"conductor": "microfacet_conductor", "dielectric": "microfacet_dielectric"}
-FAMILIES = {family.name: family for family in mf.families()}
+FAMILIES = {family.name: family for family in mf.families() if not family.singular}
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class Surface:
     @property
     def singular(self) -> bool:
         """Whether the density of normals is infinite at the mean normal."""
-        return self.family == "k0" or (self.family == "bessel_k" and self.own["a"] <= 1.0)
+        return bool(np.isinf(self.ndf.D([0.0, 0.0, 1.0])))
 
 
 @dataclass(frozen=True)

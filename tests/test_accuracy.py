@@ -10,7 +10,17 @@ from builds import BUILDS
 
 # Per family, as many as its truth is cheap and its code is intricate. Two thirds are representable in float32
 # and serve both precisions.
-COUNTS = {"beckmann": 100, "ggx": 100, "gtr": 400, "student_t": 300, "k0": 60, "bessel_k": 180}
+COUNTS = {
+    "beckmann": 100,
+    "ggx": 100,
+    "gtr": 400,
+    "student_t": 300,
+    "k0": 60,
+    "bessel_k": 180,
+    "ei": 60,
+    "erfc": 60,
+    "double_ggx": 60,
+}
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)

@@ -30,11 +30,12 @@ PYTHON_LAYERS = (
     {"_arrays", "_calls", "_core", "_files", "_graphs", "_optional", "_text", "_threads", "_value"},
     {"_docs", "_quantities"},
     {"_sampling"},
-    {"_frozen"},
-    {"_family", "_radial", "_bsdf"},
+    {"_frozen", "_densities"},
+    {"_family", "_radial", "_slope_table", "_bsdf"},
+    {"_user_family"},
     {"__init__"},  # the public names; what lies above them it loads on demand only
     {"testing", "plot", "_checks", "_surface", "_bake", "_export"},
-    {"_fit", "mitsuba"},
+    {"_fit", "_density_files", "mitsuba"},
     {"_render"},
     {"_report"},
     {"cli"},
@@ -171,7 +172,7 @@ def public_functions() -> dict[str, Callable[[], Any]]:
     return calls
 
 
-NEED_INPUT = {"read_normal_map", "read_slopes", "read_surface"}  # files; tests/test_surface_files.py
+NEED_INPUT = {"read_density", "read_normal_map", "read_slopes", "read_surface"}  # files
 
 
 def test_every_public_name_works_twice() -> None:

@@ -46,7 +46,8 @@ def difference(evaluate: Evaluator, at: list[Any], place: int, step: Any) -> Any
         for sign in (1, -1):
             moved = list(at)
             moved[place] = at[place] + sign * steps * step
-            total = total + sign * weight * np.array(evaluate(moved))
+            with np.errstate(invalid="ignore"):  # the density of a ring is infinite
+                total = total + sign * weight * np.array(evaluate(moved))
     return total / step
 
 
@@ -71,8 +72,10 @@ def test_derivatives_are_differences(family: Any, case: Case) -> None:
         for (name, _), value, a, b in zip(evaluate.graph.results, values, coarse, fine, strict=True):
             got = recorded[f"{name}/{by}"]
             scale = np.abs(b) + 1e-3 * np.abs(value) + 1e-280
-            certain = np.abs(a - b) + 1e-13 * np.abs(value) / step < 1e-8 * scale
+            with np.errstate(invalid="ignore"):
+                change = np.abs(a - b)
+            certain = change + 1e-13 * np.abs(value) / step < 1e-8 * scale
             off = np.abs(got - b)[certain] / scale[certain]
             assert off.max(initial=0) < 2e-8, f"{name} by {by}: {off.max()}"
             checked += int(certain.sum())
-    assert checked > 0.4 * COUNT * len(names) * len(values)
+    assert checked > 0.4 * len(names) * np.isfinite(values).sum()

@@ -116,8 +116,10 @@ def test_ratios_are_formed_within_a_round() -> None:
 def test_targets_and_thresholds_name_what_is_measured() -> None:
     assert {target.kernel for target in targets.TARGETS} <= NAMES | set(renderer.NAMES)
     gated = {f"{kernel.name} {dtype}" for kernel in gate.GATED for dtype in suite.DTYPES}
-    for isa, table in gate.read().items():
-        assert set(table) == gated, isa
+    thresholds = gate.read()
+    for isa, table in thresholds.items():
+        assert set(table) <= gated, isa
+    assert set().union(*thresholds.values()) == gated  # an instruction set may not have been measured since
 
 
 # The commands

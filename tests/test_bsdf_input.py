@@ -165,11 +165,7 @@ BAD: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "no distribution": (
         lambda: mf.Diffuse(0.3, 0.5),
-        "Diffuse: ndf must be a distribution of one of the families, got 0.3",
-    ),
-    "a density of one's own": (
-        lambda: mf.Conductor(mf.RadialNDF(lambda r2: np.exp(-r2) / np.pi, alpha=0.3)),
-        "Conductor: ndf must be a distribution of one of the families, got <RadialNDF",
+        "Diffuse: ndf must be a distribution, got 0.3",
     ),
     "a pair": (
         lambda: mf.Conductor(NDF).eval([0.6, 0.8], UP),

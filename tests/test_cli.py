@@ -93,8 +93,11 @@ def test_verify_prints_a_table_and_the_count(run: Run) -> None:
 
 def test_verify_as_json(run: Run) -> None:
     result = run("verify", "--id", "gtr.gamma_1", "--alpha", "0.4", "--json")
-    (entry,) = json.loads(result.stdout)
-    fields = "id, family, parameters, lhs, rhs, residual, tolerance, passed, source"
+    record = json.loads(result.stdout)
+    (entry,) = record["checks"]
+    assert record["families"]["gtr"]["notebook"] == {"stated": 15, "checked": 1, "held": 1}
+    assert record["families"]["gtr"]["further"]["checked"] == 0
+    fields = "id, family, parameters, lhs, rhs, residual, tolerance, passed, source, symbolic"
     assert list(entry) == fields.split(", ")
     assert entry["id"] == "gtr.gamma_1"
     assert entry["parameters"]["alpha"] == 0.4

@@ -73,7 +73,7 @@ def test_directions_broadcast(ndf: Any) -> None:
         table = getattr(ndf, name)(wi, wo)
         assert table.shape == (7, 4)
         for i, j in np.ndindex(table.shape):
-            assert table[i, j] == getattr(ndf, name)(wi[i, 0], wo[j])
+            np.testing.assert_array_equal(table[i, j], getattr(ndf, name)(wi[i, 0], wo[j]))
     x, y, z = directions(7, seed=4).T
     grid = ndf.D(x[:, None], y[:4], z[:, None])
     assert grid.shape == (7, 4)

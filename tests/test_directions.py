@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 SHAPES = {"alpha_x": 0.25, "alpha_y": 0.7, "rotation": 0.6}
 FAMILIES = [pytest.param(family, id=family.name) for family in mf.families()]
+WITH_A_DENSITY = [pytest.param(family, id=family.name) for family in mf.families() if not family.singular]
 STRETCHED = [pytest.param(family, id=family.name) for family in mf.families() if family.anisotropic]
 
 
@@ -91,7 +92,7 @@ def over_slopes(f: Any, w: Array) -> float:
 # Normalisation and projected area.
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", WITH_A_DENSITY)
 def test_projected_area_of_the_plane_is_one(family: Any) -> None:
     """int D(m) cos(theta_m) dm = 1, in polar coordinates of the slope."""
     ndf = anisotropic(family)
@@ -99,11 +100,11 @@ def test_projected_area_of_the_plane_is_one(family: Any) -> None:
     m, solid_angle = normals(radius * np.cos(phi), radius * np.sin(phi))
     weight = 0.1 * (2 * np.pi / 200) * radius**2 * solid_angle * m[..., 2]
     with np.errstate(invalid="ignore"):  # D is infinite at the normal for k0
-        integrand = np.where(radius > 1e-9, ndf.D(m), 0.0) * weight
+        integrand = np.where(radius > 1e-17, ndf.D(m), 0.0) * weight
     assert_allclose(np.sum(integrand), 1.0, rtol=1e-9)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", WITH_A_DENSITY)
 @pytest.mark.parametrize("w", DIRECTIONS[1:], ids=lambda w: f"z={w[2]:.2f}")
 def test_sigma_is_the_projected_area(family: Any, w: Array) -> None:
     """sigma(w) = int max(0, w.m) D(m) dm, above and below the horizon."""
@@ -111,7 +112,7 @@ def test_sigma_is_the_projected_area(family: Any, w: Array) -> None:
     assert_allclose(ndf.sigma(w), over_slopes(ndf.D, w), rtol=1e-8)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", WITH_A_DENSITY)
 def test_visible_normals(family: Any) -> None:
     """D_visible(m, w) = max(0, w.m) D(m)/sigma(w) is a density of normals."""
     ndf, m = anisotropic(family), random_directions(200)
@@ -136,7 +137,7 @@ def test_isotropic_functions_are_the_elementwise_ones(family: Any) -> None:
     assert_allclose(ndf.slope_cdf(p), family.kernels.slope_cdf(p, *parameters), rtol=1e-13)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", WITH_A_DENSITY)
 def test_slopes_of_the_stretched_surface(family: Any) -> None:
     """P22(p, q) = D(m) cos(theta)^4; P2 and slope_cdf along x are its marginals."""
     ndf = anisotropic(family)
@@ -152,7 +153,7 @@ def test_slopes_of_the_stretched_surface(family: Any) -> None:
     assert_allclose(ndf.slope_cdf(-np.abs(p)), below, rtol=1e-11)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", WITH_A_DENSITY)
 def test_masking(family: Any) -> None:
     """sigma(w) = z (1 + Lambda), sigma(-w) = z Lambda, and the definitions of G1 and G2."""
     ndf = anisotropic(family)
@@ -220,7 +221,7 @@ def test_equal_roughnesses_are_isotropic(family: Any) -> None:
 # Sampling.
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", WITH_A_DENSITY)
 def test_samples_follow_the_density(family: Any) -> None:
     """sample(xi) has the density pdf(m) = D(m) cos(theta): chi-square over 12 x 10 cells of radius and
     azimuth.

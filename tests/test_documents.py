@@ -63,7 +63,18 @@ def test_accuracy_is_documented_for_every_function() -> None:
         assert re.search(rf"\b{name}\b", text), name
 
 
-GUIDES = ("sampling", "materials", "compensation", "textures", "surfaces", "fitting", "arrays", "export")
+GUIDES = (
+    "radial",
+    "sampling",
+    "slope_tables",
+    "materials",
+    "compensation",
+    "textures",
+    "surfaces",
+    "fitting",
+    "arrays",
+    "export",
+)
 DOCUMENTS = ("README.md", *(f"docs/{name}.md" for name in GUIDES))
 
 

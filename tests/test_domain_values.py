@@ -45,7 +45,11 @@ def _points(family: Any, quantity: str, dtype: type, n: int) -> list[list[float]
             "gtr": rng.choice([0.3, 1.0, 1.4, 3.0, 60.0]) * rng.uniform(0.9, 1.1),
             "student_t": 1.5 + 10 ** rng.uniform(-2, 3),
             "bessel_k": 10 ** rng.uniform(-1, 2),
+            "generalised_exponential": rng.uniform(0.45, 4.0),
         }
+        for own in family.parameters[1:]:
+            if family.name not in shape:
+                shape[family.name] = rng.choice(own.examples)
         width = alpha if family.name != "gtr" else alpha ** rng.choice([0, 1, rng.random()])
         slope = width * 10 ** rng.uniform(-2, 1.2)
         u = slope / math.hypot(1, slope) if quantity != "D" else 1 / math.hypot(1, slope)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 import pytest
+import scipy.stats
 from numpy.typing import NDArray
 
 import microfacet as mf
@@ -40,6 +41,7 @@ ALL = [
     (target, family.name, name, cosine)
     for target in (*PROCESSOR, *SHADERS)
     for family in mf.families()
+    if not family.singular
     for name in functions_of(target, family.name)
     for cosine in CASES[name]
 ] + [("NumPy", family, "sample_visible", cosine) for family in FREE for cosine in (0.4, -0.1)]
@@ -102,6 +104,22 @@ def test_samples_follow_the_density(target: str, family: str, name: str, cosine:
         samples / length, densities[name], resolution=RESOLUTION, tests=len(ALL), lossy=lossy
     )  # of unit length in double precision, as the test takes them
     assert result, result
+
+
+@pytest.mark.parametrize("target", [*PROCESSOR, *SHADERS])
+@pytest.mark.parametrize("family", [family.name for family in mf.families() if family.singular])
+def test_samples_of_a_ring_lie_on_it(target: str, family: str) -> None:
+    """Their azimuths are as the cosines to the direction that sees them."""
+    for (name, cosine), m in drawn(target, family).items():
+        if name == "conductor_sample":
+            continue
+        p, q = -m[:, 0] / m[:, 2], -m[:, 1] / m[:, 2]
+        np.testing.assert_allclose(np.hypot(p, q), ALPHA, rtol=1e-5)
+        turn = (np.arctan2(q, p) - np.arctan2(0.6, 0.8)) % (2 * np.pi)
+        at = np.linspace(0, 2 * np.pi, 100_001)
+        seen = np.sqrt(1 - cosine**2) * ALPHA if name == "sample_visible" else 0.0
+        area = np.cumsum(np.maximum(cosine - seen * np.cos(at), 0))
+        assert scipy.stats.kstest(turn, partial(np.interp, xp=at, fp=area / area[-1])).pvalue > 1e-4, name
 
 
 def test_a_wrong_roughness_is_found() -> None:

@@ -22,6 +22,12 @@ SHAPES: dict[str, tuple[str, tuple[float, ...]]] = {
 SECONDS = 10.0  # of processor time; the slowest takes half of one
 
 
+for _family in mf.families():
+    for _own in _family.parameters[1:]:  # families that are not named above
+        _ends = (_own.lower + 1e-7, min(_own.upper - 1e-7, 1e5))
+        SHAPES.setdefault(_family.cls.__name__, (_own.name, (_ends[0], *_own.examples, _ends[1])))
+
+
 def points() -> Iterator[tuple[str, dict[str, float]]]:
     for name, (shape, values) in SHAPES.items():
         for alpha, value in itertools.product(ALPHAS, values):

@@ -11,7 +11,7 @@ import pytest
 import microfacet as mf
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
-FAMILIES = {family.name: family for family in mf.families()}
+FAMILIES = {family.name: family for family in mf.families() if not family.singular}
 
 
 def matrix(alpha_x, alpha_y, rotation):
@@ -132,8 +132,9 @@ def test_ranks_the_generating_family_first(name, shape):
     slopes = draw(name, shape, 5000, seed=5, stretch=stretch, alpha=0.5)
     results = mf.fit(slopes)
     assert results[0].family == name
-    assert [result.bic for result in results] == sorted(result.bic for result in results)
-    assert len(results) == 6
+    order = [(not one.tied, one.bic if one.tied else -one.held_out) for one in results]
+    assert order == sorted(order)
+    assert len(results) == sum(not family.singular for family in mf.families())
 
 
 def test_beckmann_has_a_closed_form():

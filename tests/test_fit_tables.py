@@ -9,9 +9,13 @@ import pytest
 
 import fit_cases
 import microfacet as mf
+from shapes import one_shape
 
 FAMILIES = fit_cases.FAMILIES
-SHAPES = {"student_t": (3.2,), "bessel_k": (1.4,), "gtr": (1.7,)}
+SHAPES = {
+    name: tuple(own.values())
+    for name, own in one_shape({"student_t": 3.2, "bessel_k": 1.4, "gtr": 1.7}).items()
+}
 each = pytest.mark.parametrize("name", FAMILIES)
 
 
@@ -77,7 +81,7 @@ def test_bad_scales_are_one_sentence(surface, lags, message):
 @each
 def test_a_histogram_with_the_family_s_own_probabilities_gives_its_parameters(name):
     """Counts that are exactly the bins' probabilities: the likelihood is largest at the truth."""
-    alpha, shape, mean = 0.3, SHAPES.get(name, ()), 0.05
+    alpha, shape, mean = 0.3, SHAPES[name], 0.05
     edges = np.linspace(-1.5, 1.5, 101)
     probabilities = np.diff(FAMILIES[name].kernels.slope_cdf(edges - mean, alpha, *shape))
     (result,) = mf.fit_table(histogram=(edges, 1e6 * probabilities), families=name)
@@ -102,7 +106,7 @@ def test_a_histogram_of_samples_is_fitted_within_its_errors_and_ranks_the_family
 
 @each
 def test_a_table_of_d_gives_its_parameters_and_scale(name):
-    alpha, shape = 0.25, SHAPES.get(name, ())
+    alpha, shape = 0.25, SHAPES[name]
     theta = np.radians(np.arange(1.0, 75.0, 2.0))
     table = 4.2 * FAMILIES[name].kernels.D(np.cos(theta), alpha, *shape)
     (result,) = mf.fit_table(density=(theta, table), families=name)
@@ -170,7 +174,10 @@ def test_an_infinite_mean_square_slope_is_said(name, options):
         ({"density": ([0.1, 0.2], [1, 1])}, "at least 4"),
         ({"density": ([0.1, 0.2, 0.3, 1.6], [1, 1, 1, 1])}, "radians"),
         ({"density": ([0.1, 0.2, 0.3, 0.4], [1, 1, 1, 0])}, "positive"),
-        ({"density": ([0.1, 0.2, 0.3, 0.4], [1, 1, 1, 1]), "gamma": 2.0}, "go with mean_square_slopes"),
+        (
+            {"density": ([0.1, 0.2, 0.3, 0.4], [1, 1, 1, 1]), "gamma": 2.0},
+            "gamma goes with",
+        ),
         ({"mean_square_slopes": -1.0}, "positive"),
         ({"mean_square_slopes": 0.1, "families": "student_t"}, "give gamma"),
         ({"mean_square_slopes": 0.1, "families": "student_t", "gamma": 0.2}, "outside its interval"),

@@ -38,6 +38,8 @@ FAMILIES = [pytest.param(family, id=family.name) for family in mf.families()]
 @pytest.mark.parametrize("law", laws.ALL, ids=lambda law: law.__name__)
 @pytest.mark.parametrize(("family", "parameters"), DENSITIES)
 def test_law(family: Any, parameters: tuple[float, ...], law: Callable[[laws.Density], None]) -> None:
+    if family.singular and law in laws.OF_A_DENSITY:
+        pytest.skip("on a ring there is nothing to integrate")
     law(laws.Density(family.kernels, parameters))
 
 
@@ -148,6 +150,7 @@ def test_bounds_and_symmetry(
     assert 0 <= f.sigma(-u) <= f.sigma(u) >= u
     assert f.Lambda(u) >= 0
     assert f.Lambda(-u) <= -1
-    assert np.isfinite([f.P2(p), f.P22(p, q), f.sigma(u), f.Lambda(u)]).all()
+    assert np.isfinite([f.sigma(u), f.Lambda(u)]).all()
+    assert family.singular or np.isfinite([f.P2(p), f.P22(p, q)]).all()
     xi = dtype(min(u, 1 - np.finfo(dtype).epsneg))
     assert 0 <= f.sample_slope(xi) < np.inf

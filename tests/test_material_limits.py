@@ -100,7 +100,7 @@ def test_metals_agree_with_their_samples(
 @pytest.mark.parametrize("distance", [1e-3, 1e-5, -1e-4])
 def test_weights_tend_to_those_of_facets(family: str, dtype: Any, distance: float) -> None:
     """Nearly all passes, and what passes goes nearly straight on: the weight is that of masking."""
-    ndf, n = of_family(family, 0.3), 2000
+    ndf, n = stretched(family, 0.3, 0.3), 2000
     rng = np.random.default_rng(5)
     glass = mf.Dielectric(ndf, 1 + distance, mode="importance")
     wi = np.broadcast_to(towards(40.0).astype(dtype), (n, 3))

@@ -12,9 +12,10 @@ import mitsuba_answers
 import mitsuba_process
 from mitsuba_cases import FAMILIES, GLASS, OURS
 from mitsuba_parameter_cases import INPUTS, LLVM, METAL, SCALAR, STUDENT
+from shapes import one_shape
 
 CONDUCTOR, DIELECTRIC = OURS["conductor"], OURS["dielectric"]
-SHAPES = {"gtr": {"gamma": 1.5}, "student_t": {"gamma": 2.5}, "bessel_k": {"a": 0.7}}
+SHAPES = one_shape({"gtr": 1.5, "student_t": 2.5, "bessel_k": 0.7})
 METALLIC = '<spectrum name="eta" type="uniform"><float name="value" value="0.2"/></spectrum>\n'
 METALLIC += '<spectrum name="k" type="uniform"><float name="value" value="3.9"/></spectrum>'
 CHECKS = {"type": "checkerboard", "color0": 0.1, "color1": 0.4}
@@ -75,12 +76,13 @@ TWINS = {
 #: A dictionary, what is changed of it, and the same as one dictionary.
 CHANGES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
     f"{family}": (
-        {"type": CONDUCTOR, "distribution": family, "alpha": 0.5, **{k: 3 * v for k, v in own.items()}},
+        {"type": CONDUCTOR, "distribution": family, "alpha": 0.5, **other},
         {"alpha.value": 0.3, **own},
         {"type": CONDUCTOR, "distribution": family, "alpha": 0.3, **own},
     )
-    for family in FAMILIES
-    for own in (SHAPES.get(family, {}),)
+    for family, record in FAMILIES.items()
+    for own in (SHAPES[family],)
+    for other in ({shape.name: shape.examples[-1] for shape in record.parameters[1:]},)
 }
 CHANGES |= {
     "both roughnesses": (

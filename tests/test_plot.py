@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 
 import microfacet as mf
 from microfacet import plot
+from microfacet._family.looks import look
 
 NDF = mf.StudentT(alpha_x=0.2, alpha_y=0.5, rotation=0.3, gamma=2.5)
 
@@ -100,7 +101,13 @@ def test_slope_histogram_turns_the_fitted_density(ax: Axes) -> None:
 def test_every_family_has_a_colour_and_a_dash() -> None:
     names = {family.name for family in mf.families()}
     assert names == plot.COLORS.keys() == plot.DASHES.keys()
-    assert len(set(plot.COLORS.values())) == len(names)
+    assert len({(plot.COLORS[name], str(plot.DASHES[name])) for name in names}) == len(names)
+
+
+def test_looks_tell_many_curves_apart() -> None:
+    looks = [look(number) for number in range(144)]
+    assert len({(color, str(dashes)) for color, dashes in looks}) == 144
+    assert len({color for color, _ in looks[:12]}) == len({str(dashes) for _, dashes in looks[:12]}) == 12
 
 
 def test_draws_into_the_current_axes(ax: Axes) -> None:

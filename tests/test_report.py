@@ -15,6 +15,7 @@ import pytest
 
 import microfacet as mf
 from microfacet import _checks
+from microfacet._family.looks import PALETTE
 from microfacet._report import families, figure, mathml
 from microfacet._report import page as pages
 from microfacet._report.families import Report, build, figures, formulas
@@ -131,8 +132,7 @@ def test_colours_contrast_in_both_themes() -> None:
             "--bad": 4.5,
         }.items():
             assert contrast(theme[name], theme["--paper"]) >= needed, name
-        for family in mf.families():
-            name = f"--{family.name.replace('_', '-')}"
+        for name in (f"--curve-{number}" for number in range(1, len(PALETTE) + 1)):
             assert contrast(theme[name], theme["--paper"]) >= 3.0, name
 
 
@@ -159,6 +159,11 @@ def test_every_check_of_the_families_is_in_the_table(built: tuple[Report, Page])
     assert report.total == len(items)
     marks = [row["text"] for row in rows if "✓ holds" in row["text"]]
     assert report.passed == len(marks), "the mark is a word, not only a colour"
+    counted = {" ".join(row["text"].split()) for row in page.all("tr")}
+    for family, title in (("k0", "K0"), ("beckmann", "Beckmann")):
+        own, ours = (sum(i.family == family and i.notebook == kind for i in items) for kind in (True, False))
+        assert f"{title}{own} of {own}{ours} of {ours}" in counted
+    assert any("algebra: " in row["text"] for row in rows)
     notebook = sum(item.notebook for item in items)
     assert f"{notebook} of {notebook} notebook checks hold" in " ".join(page.all("header")[0]["text"].split())
 

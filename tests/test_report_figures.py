@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import special
 
 import microfacet as mf
-from microfacet._report.families import materials, sampling
+from microfacet._report.families import cross, materials, sampling
 
 
 @pytest.mark.parametrize("degrees", [0.0, 75.0, 95.0])
@@ -53,3 +54,17 @@ def test_a_white_sphere_vanishes_when_all_orders_are_seen() -> None:
     assert np.isnan(every[0, 0])
     assert np.nanmean(every) == pytest.approx(1.0, abs=0.03)
     assert np.nanmean(one) < 0.6
+
+
+@pytest.mark.parametrize("alpha", [0.2, 5.0])
+def test_k0_towards_the_mirror_direction_is_drawn_as_the_caption_says(alpha: float) -> None:
+    off = np.geomspace(1e-8, 0.1, 30)
+    over_beckmann = cross.reflectance(mf.K0(alpha=alpha), off) * 4 * np.pi * alpha**2
+    x = 1 / (np.tan(off) * alpha)
+    shown = np.cos(off / 2) ** -4 / np.cos(off) / (1 + np.exp(-2 * x) / (4 * x))
+    law = 2 * special.k0(2 * np.tan(off / 2) / alpha) * shown
+    np.testing.assert_allclose(over_beckmann, law, rtol=1e-11)
+    rise = -np.diff(over_beckmann[:10]) / np.diff(np.log(off[:10]))
+    np.testing.assert_allclose(rise, 2.0, rtol=1e-6)
+    flat = cross.reflectance(mf.Beckmann(alpha=alpha), off[:10]) * 4 * np.pi * alpha**2
+    np.testing.assert_allclose(flat, 1.0, rtol=1e-6)

@@ -107,7 +107,7 @@ def test_captions_name_figures_by_what_they_show(html: str) -> None:
 def test_captions_of_comparisons_do_too() -> None:
     with figure.style():
         blocks = list(cross.comparison_figures([family.name for family in mf.families()], None))
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     for block in blocks:
         assert not re.search(r"\b(left|right)\b", block.caption, re.I), block.caption
 

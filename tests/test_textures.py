@@ -19,7 +19,9 @@ from microfacet._bake.texture.snippets import LANGUAGES
 from microfacet.cli import main
 from texture_cases import COMPILERS, KINDS, program, run_as_cpp, sampled_by_wgsl, texture
 
-each_family = pytest.mark.parametrize("family", mf.families(), ids=lambda family: family.name)
+each_family = pytest.mark.parametrize(
+    "family", [f for f in mf.families() if not f.singular], ids=lambda family: family.name
+)
 
 
 def directions(cosine: Any) -> Any:
@@ -40,22 +42,22 @@ def test_split_sum_is_the_integral_over_directions(family: Any) -> None:
     """Over directions out, with nothing shared with the quadrature over facets but f itself."""
     ndf = family.cls(alpha=0.7, **shape_of(family))
     white = mf.Conductor(ndf)
-    nodes, weights = np.polynomial.legendre.leggauss(300)
-    cosine = (nodes + 1) / 2
-    azimuth = (np.arange(600) + 0.5) * np.pi / 600
-    sine = np.sqrt(1 - cosine**2)[:, np.newaxis]
-    wo = np.stack(
-        np.broadcast_arrays(sine * np.cos(azimuth), sine * np.sin(azimuth), cosine[:, np.newaxis]), -1
-    )
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    # Dense towards the mirrored direction, where some densities are infinite.
+    near, part_near = ((nodes + 1) / 2) ** 3, 3 * ((nodes + 1) / 2) ** 2 * weights / 2
+    azimuth = np.pi * (1 - near)
     for c in (0.3, 0.8):
         wi = directions(c)
+        cosine = np.concatenate((c - c * near, c + (1 - c) * near))[:, np.newaxis]
+        of_cosine = np.concatenate((c * part_near, (1 - c) * part_near))
+        sine = np.sqrt(1 - cosine**2)
+        wo = np.stack(np.broadcast_arrays(sine * np.cos(azimuth), sine * np.sin(azimuth), cosine), -1)
         light = white.eval(wi, wo)
         half = wi + wo
         grazing = (1 - np.sum(half * wi, -1) / np.linalg.norm(half, axis=-1)) ** 5
-        parts = [np.sum(weights / 2 @ (light * part)) * 2 * np.pi / 600 for part in (1 - grazing, grazing)]
+        parts = [2 * np.pi * of_cosine @ (light * part) @ part_near for part in (1 - grazing, grazing)]
         found = row("split_sum", ndf, np.array([c]))
-        # The sum over directions meets the density's peak, and infinities of some families, as points.
-        np.testing.assert_allclose(found.values[0], parts, atol=2e-4)
+        np.testing.assert_allclose(found.values[0], parts, atol=1e-8)
         assert found.error < 1e-6
 
 

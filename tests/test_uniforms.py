@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import microfacet as mf
-from material_cases import FAMILIES, directions, of_family
+from material_cases import FAMILIES, SHAPES, directions, of_family
 
 # Below 1 in float64; most are 1 in float32.
 CLOSE = np.array([1 - 2.0**-53, 1 - 2.0**-40, 1 - 2.0**-26, 1 - 2.0**-25, 1 - 2.0**-24, 1 - 2.0**-23])
@@ -37,9 +37,10 @@ def test_materials_draw_from_float64_in_float32(family: str) -> None:
         for side in (1, -1) if isinstance(material, mf.Dielectric) else (1,):
             wi = directions(len(xi), 2, side)
             exact, narrow = material.sample(wi, xi), material.sample(wi.astype(np.float32), xi)
-            for numbers, others in zip(narrow, exact, strict=True):
+            singular = family == "dirac"  # whose density on the ring is infinite
+            for number, (numbers, others) in enumerate(zip(narrow, exact, strict=True)):
                 assert numbers.dtype == np.float32
-                assert np.isfinite(numbers).all()
+                assert np.isfinite(numbers).all() or (singular and number == 2)
                 assert numbers.shape == others.shape
         ones = np.ones((1, material.sample_dims))
         if family != "ggx":  # its closed form may stand at 1
@@ -50,7 +51,7 @@ def test_materials_draw_from_float64_in_float32(family: str) -> None:
 def test_longer_types_too(family: str) -> None:
     xi = np.full((5, 4), np.nextafter(np.longdouble(1), 0))
     for material in materials(family):
-        for numbers in material.sample(directions(5, 3, 1), xi):
+        for numbers in material.sample(directions(5, 3, 1), xi)[: 2 if family == "dirac" else 3]:
             assert np.isfinite(numbers).all()
 
 
@@ -74,8 +75,7 @@ def test_normals_of_mixed_types(family: str, scheme: str) -> None:
 @each_family
 def test_elementwise_samplers_take_each_type_as_it_is(family: str) -> None:
     kernels = getattr(mf, family)
-    parameters = of_family(family, 0.4)._values[-1:] if family in ("student_t", "bessel_k") else ()
-    parameters = of_family(family, 0.4)._values[1:] if family == "gtr" else parameters
+    parameters = SHAPES[family].values()
     for sampler in (kernels.sample_slope, kernels.sample_u):
         assert np.isfinite(sampler(CLOSE, np.float32(0.4), *parameters)).all()
         assert np.isfinite(sampler(CLOSE[-2:].astype(np.float32), 0.4, *parameters)).all()

@@ -68,6 +68,9 @@ EXAMPLES: dict[str, Callable[[], list[Any]]] = {
     "RadialNDF": lambda: [
         mf.RadialNDF(lambda r, power=power: (1 + r**2) ** -power, alpha=0.3) for power in (2.5, 3.0)
     ],
+    "SlopeTable": lambda: [
+        mf.SlopeTable([-1.0, 0.0, 1.0], [-1.0, 1.0], [[1.0], [share]]) for share in (1.0, 2.0)
+    ],
     "Conductor": lambda: [metal(), metal(scattering="multiple"), metal(correlated=False), round_metal()],
     "Dielectric": lambda: [
         mf.Dielectric(mf.GGX(alpha=0.3), 1.5),

@@ -10,13 +10,10 @@ import numpy as np
 
 import microfacet as mf
 
+CHOSEN = {"student_t": 2.5}  # where it is not the value of pictures
 SHAPES = {
-    "beckmann": {},
-    "ggx": {},
-    "gtr": {"gamma": 1.5},
-    "student_t": {"gamma": 2.5},
-    "k0": {},
-    "bessel_k": {"a": 0.5},
+    family.name: {own.name: CHOSEN.get(family.name, own.pictured) for own in family.parameters[1:]}
+    for family in mf.families()
 }
 ALPHAS = (0.1, 0.3, 1.0)
 ANGLES = np.radians([0.0, 30.0, 60.0, 80.0])

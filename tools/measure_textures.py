@@ -7,13 +7,10 @@ import numpy as np
 import microfacet as mf
 from microfacet._bake.texture.rows import row
 
+CHOSEN = {"student_t": 2.5}  # where it is not the value of pictures
 SHAPES = {
-    "beckmann": {},
-    "ggx": {},
-    "gtr": {"gamma": 1.5},
-    "student_t": {"gamma": 2.5},
-    "k0": {},
-    "bessel_k": {"a": 0.5},
+    family.name: {own.name: CHOSEN.get(family.name, own.pictured) for own in family.parameters[1:]}
+    for family in mf.families()
 }
 FORMS = ((64, "linear"), (32, "linear"), (64, "sqrt"))
 MANY = ("beckmann", "ggx", "gtr")  # in all of these, the others in the first

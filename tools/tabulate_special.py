@@ -75,6 +75,8 @@ TABLES: dict[str, tuple[Function, Iterable[Sequence[float]]]] = {
         ),
         [(x,) for x in HALF_LINE if x < 50],
     ),
+    "exponential_integral_1": (mpmath.e1, [(y,) for y in HALF_LINE if 0 < y < 50]),
+    "exponential_integral_2": (lambda y: mpmath.expint(2, y), [(y,) for y in HALF_LINE if y < 50]),
     "reciprocal_gamma": (lambda mu: mpmath.rgamma(1 + mu), [(mu / 8,) for mu in range(-4, 5)]),
     "gamma_half_step": (
         lambda k: mpmath.gammaprod([k + mpf(1) / 2], [k]) / mpmath.sqrt(k),
