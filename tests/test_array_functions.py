@@ -77,7 +77,10 @@ def test_densities_of_the_users_own() -> None:
     for case in QUANTITIES:
         arguments = [given[name] for name in case.takes]
         (want,) = truth(case, ndf, given)
-        assert errors(case, case.of(functions)(*arguments), want).max() < 1e-11, case
+        off = errors(case, case.of(functions)(*arguments), want)
+        if case.name == "sample_visible":  # beyond the end of the density nothing is seen
+            off = off[ndf.sigma(arguments[0]) > 1e-80]
+        assert off.max() < 1e-11, case
     wider = mf.RadialNDF(lambda r: np.exp(-(r**4)), alpha=0.5)
     assert functions.D(given["m"], alpha=0.5) == pytest.approx(wider.D(given["m"]), rel=1e-11)
     assert "RadialNDF" in repr(functions)

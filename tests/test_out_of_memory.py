@@ -86,7 +86,7 @@ def test_densities_of_a_users_own_raise(call: str) -> None:
     assert run(f"""
     radial = _core.radial
     density = lambda L: np.exp(-np.exp(2 * L))
-    (capsule, handle), _, _ = radial.build(density, -20.0, 5.0, 1.0, None)
+    (capsule, handle, _), _, _ = radial.build(density, -20.0, 5.0, 1.0, None)
     stored = radial.dump(handle)
     blocks = fill()
     try:

@@ -57,14 +57,30 @@ def round_metal() -> Any:
     return mf.Conductor(mf.GGX(alpha=0.6), [0.2, 1.04], [3.9, 2.6])
 
 
+def user_density(r: Any, k: Any) -> Any:
+    return (1 + r**2) ** -k
+
+
 # For every public class: objects, none of which equals another.
 EXAMPLES: dict[str, Callable[[], list[Any]]] = {
     "Beckmann": lambda: [mf.Beckmann(alpha=0.3), mf.Beckmann(alpha_x=0.3, alpha_y=0.4)],
     "BesselK": lambda: [mf.BesselK(alpha=0.3, a=0.7), mf.BesselK(alpha=0.3, a=0.8)],
+    "Dirac": lambda: [mf.Dirac(alpha=0.3), mf.Dirac(alpha=0.4)],
+    "DoubleGGX": lambda: [mf.DoubleGGX(alpha=0.3), mf.DoubleGGX(alpha=0.4)],
+    "Ei": lambda: [mf.Ei(alpha=0.3), mf.Ei(alpha_x=0.3, alpha_y=0.4)],
+    "Erfc": lambda: [mf.Erfc(alpha=0.3), mf.Erfc(alpha=0.4)],
+    "Exponential": lambda: [mf.Exponential(alpha=0.3), mf.Exponential(alpha=0.4)],
+    "GeneralisedExponential": lambda: [
+        mf.GeneralisedExponential(alpha=0.3, g=3.0),
+        mf.GeneralisedExponential(alpha=0.3, g=1.0),
+    ],
     "GGX": lambda: [mf.GGX(alpha=0.3), mf.GGX(alpha_x=0.3, alpha_y=0.3, rotation=0.1)],
     "GTR": lambda: [mf.GTR(alpha=0.3, gamma=1.5), mf.GTR(alpha=0.3, gamma=2.5)],
     "K0": lambda: [mf.K0(alpha=0.3), mf.K0(alpha=0.4)],
     "StudentT": lambda: [mf.StudentT(alpha=0.3, gamma=2.5), mf.StudentT(alpha=0.3, gamma=3.5)],
+    "UserFamily": lambda: [
+        mf.UserFamily(name, P22=user_density, parameters={"k": (1.0, 8.0, 2.0)}) for name in ("a", "b")
+    ],
     "RadialNDF": lambda: [
         mf.RadialNDF(lambda r, power=power: (1 + r**2) ** -power, alpha=0.3) for power in (2.5, 3.0)
     ],

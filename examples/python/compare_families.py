@@ -14,7 +14,7 @@ MEDIAN_SLOPE = 0.25
 angles = np.radians([0, 45, 60, 75, 85, 89])
 print("G1 at theta =", *(f"{angle:6.0f}" for angle in np.degrees(angles)))
 for family in mf.families():
-    shape = SHAPES.get(family.name, ())
+    shape = SHAPES.get(family.name, [own.examples[0] for own in family.parameters[1:]])
     low, high = 1e-4, 10.0
     for _ in range(60):
         alpha = np.sqrt(low * high)

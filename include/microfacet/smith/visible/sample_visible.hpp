@@ -24,13 +24,13 @@ namespace microfacet {
 
 namespace detail {
 
-// Whether tables reach as far below the horizon as x; otherwise nan is drawn, and for float32 the caller may draw in
-// double. There is nothing to be seen beyond the end of a density.
+// Whether tables in float32 reach as far below the horizon as x; otherwise nan is drawn, and the caller may
+// draw in double.
 template <class Family, class T>
 auto tables_reach(const Family& family, const T& x) {
   constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
-  if constexpr (single || tabulated_inverses<Family>) {
-    return (x > T(0)) | (family.mean_excess(slope<T>(abs(x))) > T(single ? 1e-30 : 0));
+  if constexpr (single) {
+    return (x > T(0)) | (family.mean_excess(slope<T>(abs(x))) > T(1e-30));
   } else {
     return x == x;
   }
