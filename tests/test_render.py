@@ -118,8 +118,9 @@ def test_a_sheet_shows_its_pictures_in_place() -> None:
     np.testing.assert_allclose(seen, encoded, atol=1.0)
 
 
+TITLES = "|".join(family.title for family in mf.families())
 QUANTILES = re.findall(
-    rf"^\| ({'|'.join(family.title for family in mf.families())})(?:, \w+ = ([\d.]+))?(?: \(at alpha = 0.1\))? "
+    rf"^\| ({TITLES})(?:, \w+ = ([\d.]+))?(?: \(at alpha = 0.1\))? "
     r"\| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|$",
     (Path(__file__).parents[1] / "docs" / "gallery.md").read_text(encoding="utf-8"),
     flags=re.MULTILINE,

@@ -233,10 +233,13 @@ def test_progress_counts_to_the_end(tmp_path: Path) -> None:
 
 def test_both_routes_to_sigma_agree_in_the_figures() -> None:
     with figure.style():
-        for family in mf.families():
+        for family in (family for family in mf.families() if not family.singular):
             caption = figures.two_routes(family, examples.example(family, None)).caption
             mantissa, exponent = re.findall(r"(\d+)\\times 10\^\{(-\d+)\}", caption)[-1]
-            assert float(mantissa) * 10.0 ** int(exponent) <= 1e-13
+            # A density that grows like the reciprocal of the slope is cut off at the flattest facets.
+            shape = [own.pictured for own in family.parameters[1:]]
+            reciprocal = np.isinf(family.kernels.P2(0.0, 0.3, *shape))
+            assert float(mantissa) * 10.0 ** int(exponent) <= (1e-11 if reciprocal else 1e-13)
 
 
 @pytest.mark.parametrize("family", mf.families(), ids=lambda family: family.name)

@@ -114,13 +114,13 @@ CHECKS: tuple[Check, ...] = (
     _marginal_of(
         2.0,
         lambda p, alpha, g: beckmann.P2(p, alpha),
-        r"g = 2: \quad P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq"
+        r"g = 2,\quad P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq"
         r" = \frac{e^{-p^2/\alpha^2}}{\sqrt{\pi}\,\alpha}",
     ),
     _marginal_of(
         4.0,
         marginal_of_4,
-        r"g = 4: \quad P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq"
+        r"g = 4,\quad P_2(p) = \int_{-\infty}^{\infty} P_{22}(p, q)\,dq"
         r" = \frac{\sqrt2\,t\,e^{-t^4/2}}{\pi^{3/2}\alpha}\,K_{1/4}\big(\tfrac{t^4}{2}\big),"
         r"\quad t = \frac{|p|}{\alpha}",
     ),
