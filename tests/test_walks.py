@@ -196,7 +196,7 @@ def test_how_many_facets_a_walk_meets(family: str, degrees: float) -> None:
 @each_family
 def test_n_walks_are_a_mean(family: str) -> None:
     """Of estimates as good as one another: the variance falls like 1/n."""
-    wi, wo = np.broadcast_to(towards(50.0), (4000, 3)), towards(40.0, 150.0)
+    wi, wo = np.broadcast_to(towards(50.0), (40_000, 3)), towards(40.0, 150.0)
     metal = mf.Conductor(of_family(family, 0.8), scattering="multiple")
     one, many = metal.eval(wi, wo, rng=15), metal.eval(wi, wo, n=16, rng=16)
     agree(mean(one), mean(many))
@@ -219,7 +219,7 @@ PAIRS = np.array(
 @each_family
 def test_reciprocity(family: str) -> None:
     """f of opaque surfaces; of glass f in radiance is f in importance of the way back."""
-    n = 10_000
+    n = 40_000
     wi, wo = (np.broadcast_to(PAIRS[:, k], (n, len(PAIRS), 3)) for k in (0, 1))
     ndf = stretched(
         family, 1.0, 1.6
@@ -233,7 +233,11 @@ def test_reciprocity(family: str) -> None:
     for there, back, i, o in ways:
         orders = (2, 2**31) if there is back else ALL
         forth = mean(there.eval(i * wi, o * wo, rng=19, orders=orders), 1.0 / wo[..., 2])
-        agree(forth, mean(back.eval(o * wo, i * wi, rng=20, orders=orders), 1.0 / wi[..., 2]))
+        again = mean(back.eval(o * wo, i * wi, rng=20, orders=orders), 1.0 / wi[..., 2])
+        # Of light that comes back seldom the error is not known either.
+        known = (forth[1] < 0.25 * forth[0]) & (again[1] < 0.25 * again[0])
+        assert known.sum() >= 3
+        agree((forth[0][known], forth[1][known]), (again[0][known], again[1][known]))
         assert np.median(forth[1] / forth[0]) < 0.15
 
 
