@@ -13,7 +13,14 @@ import numpy as np
 import microfacet as mf
 from shapes import NAMES, several_shapes
 
-SHAPES = several_shapes({"gtr": (0.5, 1.0, 2.5), "student_t": (1.8, 3.0, 8.0), "bessel_k": (0.4, 1.0, 3.0)})
+SHAPES = several_shapes(
+    {
+        "gtr": (0.5, 1.0, 2.5),
+        "student_t": (1.8, 3.0, 8.0),
+        "bessel_k": (0.4, 1.0, 3.0),
+        "generalised_exponential": (1.2, 1.5, 2.5),  # alike in roughness
+    }
+)
 ALPHAS = (0.05, 0.3, 0.8)
 STRETCHED = ((0.05, 0.3), (0.3, 0.8), (0.8, 0.05))
 ANGLES = (0.0, 30.0, 60.0, 80.0, 88.0)
