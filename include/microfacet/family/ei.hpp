@@ -94,15 +94,15 @@ class ei : public radial_defaults<T, part::P22_by_slope | part::direct_radius, o
   static T density(const T& log_r2, const double_double<T>& r2, const T& factor, const T& r) {
     return select(r == T(0), infinite<T>(), exponential_integral::e1(log_r2, r2, T(factor * T(1 / pi))));
   }
-  // exp(-t^2) times a closed form near(t, t^2), and beyond 1/4 times the mean of term(s/(q + t), q).
-  template <class Near, class Term>
-  static T tail(const slope<T>& t, const Near& near, const Term& term) {
+  // exp(-t^2) times a closed form at_origin(t, t^2), and beyond 1/4 times the mean of term(s/(q + t), q).
+  template <class AtOrigin, class Term>
+  static T tail(const slope<T>& t, const AtOrigin& at_origin, const Term& term) {
     const auto inside = t.value.high < T(0.25);
     const T factor = select_lazy(
         inside,
         [&] {
           const T at = minimum(t.value.high, T(0.25));
-          return near(at, T(at * at));
+          return at_origin(at, T(at * at));
         },
         [&] {
           const T at = minimum(maximum(t.value.high, T(0.25)), T(30)), y = at * at;

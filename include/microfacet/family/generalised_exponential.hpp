@@ -70,14 +70,14 @@ class generalised_exponential
   masses tails(const T& r2_argument, const T& z) const {
     const T r2 = minimum(r2_argument, T(single ? 1e30 : 1e250)),
             rise = times_exp_minus(T(r2 * inverse_gamma_), double_double<T>(z));
-    const auto near = incomplete_gamma::is_near(c_, z);
+    const auto small_z = incomplete_gamma::is_near(c_, z);
     const T part = select_lazy(
-        near, [&] { return T(rise * incomplete_gamma::series(c_, T(select(near, z, T(1))))); },
+        small_z, [&] { return T(rise * incomplete_gamma::series(c_, T(select(small_z, z, T(1))))); },
         [&] {
-          const T outside = select(near, T(c_ + T(1.5)), z);
+          const T outside = select(small_z, T(c_ + T(1.5)), z);
           return T(rise * c_ / incomplete_gamma::fraction(c_, outside));
         });
-    return {select(near, part, T(T(1) - part)), select(near, T(T(1) - part), part), rise};
+    return {select(small_z, part, T(T(1) - part)), select(small_z, T(T(1) - part), part), rise};
   }
   // Newton's method, below the median on log(1 - survival) against log r2, above on log survival against z.
   T radius_at(const T& xi_argument, const T& depth) const {

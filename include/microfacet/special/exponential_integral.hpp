@@ -35,7 +35,7 @@ inline constexpr double meeting = 0.25;
 
 // y in the mean, up to where exp(-y) is nothing.
 template <class T>
-T far(const T& y) {
+T within_mean(const T& y) {
   return minimum(maximum(y, T(meeting)), T(1e3));
 }
 
@@ -56,7 +56,7 @@ T e1(const T& log_y, const double_double<T>& y, const T& factor = T(1)) {
   return select_lazy(
       y.high < T(meeting), [&] { return T(factor * e1_near(log_y, y.high)); },
       [&] {
-        const T at = far(y.high);
+        const T at = within_mean(y.high);
         return times_exp_minus(
             T(factor * exponential_mean<T>([&](const T& s) { return T(T(1) / (at + s)); })), y);
       });
@@ -77,7 +77,7 @@ T e2(const double_double<T>& y) {
       y.high < T(meeting),
       [&] { return T(T(1) - within_e2(T(log(maximum(y.high, smallest<T>()))), y.high)); },
       [&] {
-        const T at = far(y.high);
+        const T at = within_mean(y.high);
         return times_exp_minus(exponential_mean<T>([&](const T& s) { return T(s / (at + s)); }), y);
       });
 }
