@@ -15,6 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 import microfacet as mf
+from shapes import one_shape
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -34,6 +35,7 @@ ALL = [
     mf.GTR(alpha=0.3, gamma=1.5),
     mf.GTR(alpha=3.0, gamma=3.0),
 ]
+SHAPES = one_shape({})
 XI = [1e-12, 1e-6, 0.03, 0.3, 0.5, 0.8, 0.97, 1 - 1e-6, 1 - 1e-12]
 HOSTILE = [0.0, 5e-324, 1e-310, 1e-30, 2.0**-53, 0.25, 0.5, 1 - 2.0**-24, 1 - 2.0**-53]
 
@@ -108,6 +110,25 @@ def test_hostile_uniforms_and_directions(ndf: Any, scheme: str, dtype: type) -> 
     assert np.max(np.abs(length - 1)) <= 4 * np.finfo(dtype).eps
     facing = (m.astype(np.longdouble) * w[:, None]).sum(axis=-1)
     assert np.min(facing) >= -8 * np.finfo(dtype).eps
+
+
+@pytest.mark.parametrize(
+    "ndf", [f.cls(alpha=0.3, **SHAPES[f.name]) for f in mf.families() if not f.singular], ids=name_of
+)
+def test_float32_where_next_to_nothing_is_seen(ndf: Any) -> None:
+    """Far below the horizon the slope across agrees with that of float64, to the rounding of float32."""
+    angles = np.linspace(np.pi / 2, np.pi, 20001)[:-1]
+    areas = ndf.sigma(np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1))
+    xi = np.random.default_rng(1).random((2000, ndf.visible_dims), np.float32)
+    for most in 10.0 ** np.array([-2, -10, -18, -24, -30]):
+        if not areas[-1] < most:  # heavy tails
+            break
+        below = direction(angles[np.argmax(areas < most)]).astype(np.float32)
+        slopes = []
+        for dtype in (np.float32, np.float64):
+            m = np.float64(ndf.sample_visible(below.astype(dtype), xi.astype(dtype), scheme="continuous"))
+            slopes.append(m[:, 0] / m[:, 2])
+        assert np.max(np.abs(slopes[0] / slopes[1] - 1)) < 5e-5, most
 
 
 @pytest.mark.parametrize("ndf", ALL, ids=name_of)

@@ -120,20 +120,24 @@ void visible_start::build(const Functions& f) {
     return curves(f, scale * (y - 1), scale);
   };
   double error = 0;
-  bool below = true;
+  curves farthest_seen = direction(0, -0.98);
+  const bool below = farthest_seen.seen_from_below();
   for (std::size_t piece = 0; piece < pieces; ++piece) {
     const auto at_node = [&](std::size_t j) { return direction(piece, detail::chebyshev_node<of_x>(j)); };
     const std::array<curves, of_x> at{at_node(0), at_node(1), at_node(2)};
-    for (const curves& c : at) {
-      if (!c.complete()) return;
-      below = below && c.seen_from_below();
+    // From where next to nothing is seen from below, it is seen as from the last direction that sees more.
+    std::array<curves, of_x> under = at;
+    for (std::size_t j = of_x; j-- > 0;) {  // away from the normal
+      if (!at[j].complete()) return;
+      if (at[j].seen_from_below()) farthest_seen = at[j];
+      under[j] = farthest_seen;
     }
-    const auto fill = [&](auto& rows, std::size_t column, auto member, double most) {
+    const auto fill = [&](auto& rows, std::size_t column, const auto& seen, auto member, double most) {
       std::array<std::array<double, of_x>, of_depth> by_depth{};
       for (std::size_t j = 0; j < of_x; ++j) {
         std::array<double, of_depth> values{};
         for (std::size_t k = 0; k < of_depth; ++k)
-          values[k] = (at[j].*member)(square(0.5 * most * (detail::chebyshev_node<of_depth>(k) + 1)));
+          values[k] = (seen[j].*member)(square(0.5 * most * (detail::chebyshev_node<of_depth>(k) + 1)));
         const auto powers = detail::powers_at_nodes(values);
         for (std::size_t k = 0; k < of_depth; ++k) by_depth[k][j] = powers[k];
       }
@@ -142,8 +146,9 @@ void visible_start::build(const Functions& f) {
         for (std::size_t j = 0; j < of_x; ++j) rows[of_x * k + j][column] = static_cast<float>(powers[j]);
       }
     };
-    fill(above_, piece, &curves::upper, deepest), fill(above_, piece + pieces, &curves::lower, deepest_lower);
-    if (below) fill(below_, piece, &curves::below, deepest);
+    fill(above_, piece, at, &curves::upper, deepest);
+    fill(above_, piece + pieces, at, &curves::lower, deepest_lower);
+    if (below) fill(below_, piece, under, &curves::below, deepest);
     // Between the nodes and at the ends, as far as float32 has uniform numbers.
     for (const double u : {-0.98, -0.5, 0.5}) {
       const curves there = direction(piece, u);
