@@ -113,8 +113,8 @@ void exponential_integrals() {
 template <class T>
 void exponential_means() {
   const double tolerance = few * std::numeric_limits<T>::epsilon();
-  for (const auto& [k, factorial] : {std::pair(0, 1.0), std::pair(1, 1.0), std::pair(4, 24.0)})
-    CHECK_NEAR(mf::exponential_mean<T>([&](const T& s) { return T(std::pow(s, T(k))); }), factorial,
+  for (const auto& [power, factorial] : {std::pair(0, 1.0), std::pair(1, 1.0), std::pair(4, 24.0)})
+    CHECK_NEAR(mf::exponential_mean<T>([k = T(power)](const T& s) { return T(std::pow(s, k)); }), factorial,
                tolerance);
   CHECK_NEAR(mf::exponential_mean<T>([](const T& s) { return T(1) / std::sqrt(s); }), mf::sqrt_pi, tolerance);
   CHECK_NEAR(mf::exponential_mean<T>([](const T& s) { return T(1) / (s + T(0.0625)); }), 2.4024680837171493,
