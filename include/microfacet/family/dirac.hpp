@@ -67,9 +67,9 @@ class dirac : public radial_defaults<T, part::direct_radius | part::slope_sampli
     const T all = select(below, acute.excess, multiply_add(x, last, q)), target = (T(1) - xi0) * all;
     const T above = maximum(T(x - T(1)), T(0)), least = smallest<T>();
     // From above where each term alone must reach the target, else by the first term.
-    const T by_square = sqrt(target * T(0.5 * pi * pi) / maximum(q, least));
-    const T by_cube = exp(log(maximum(T(target * T(pi * pi) / maximum(turn, least)), least)) * T(1.0 / 3));
-    const T by_height = target / maximum(above, least);
+    const T by_square = sqrt(capped_quotient(T(target * T(0.5 * pi * pi)), q));
+    const T by_cube = exp(log(maximum(capped_quotient(T(target * T(pi * pi)), turn), least)) * T(1.0 / 3));
+    const T by_height = capped_quotient(target, above);
     const T start = select(below, T(last * sqrt(T(2.0 / 3) * (T(1) - xi0))),
                            minimum(minimum(by_square, by_cube), minimum(by_height, last)));
     const T d = iterate(20, start, start > T(0), [&](const T& now) {
@@ -87,6 +87,10 @@ class dirac : public radial_defaults<T, part::direct_radius | part::slope_sampli
  private:
   static constexpr bool single = sizeof(typename scalar_traits<T>::real) == 4;
 
+  // a/b, or 1000, from where it no longer matters how large it is.
+  static T capped_quotient(const T& a, const T& b) {
+    return a / maximum(maximum(b, T(T(1e-3) * a)), smallest<T>());
+  }
   static T bounded(const T& x) { return minimum(x, largest<T>()); }
   static T across(const T& t) { return sqrt(maximum(T((T(1) - t) * (T(1) + t)), T(0))); }
   // x - sin x, by its series where that cancels.

@@ -82,10 +82,10 @@ template <class R, class Ndf>
 void samples(const Ndf& ndf) {
   int n = 0;
   for (const double degrees : {0.0, 0.5, 30.0, 69.0, 89.0, 90.0, 93.0, 120.0}) {
-    // Below the horizon a nearly smooth surface is not seen at all.
-    if (degrees > 90 && number(ndf.shape().least()) < 0.01) continue;
     const double theta = degrees * mf::pi / 180;
     const mf::vec3<R> w{R(std::sin(theta) * 0.6), R(std::sin(theta) * -0.8), R(std::cos(theta))};
+    // Below the horizon a nearly smooth surface, or one of light tails, is not seen at all.
+    if (degrees > 90 && !(number(ndf.sigma(w)) > (single<R> ? 1e-30 : 1e-250))) continue;
     for (const double xi0 : {1e-6, 0.03, 0.4, 0.77, 0.999}) {
       const double golden = ++n * 0.6180339887498949, xi1 = golden - std::floor(golden),
                    xi2 = 0.99 - 0.97 * xi1;
