@@ -279,3 +279,18 @@ def test_the_mode_of_the_processor_is_restored(build: str, dtype: type) -> None:
                 assert np.array([subnormal])[0] * dtype(1) == subnormal
                 with pytest.raises(FloatingPointError):
                     np.divide(dtype(1), dtype(0))
+
+
+@each_build
+@pytest.mark.parametrize("constant", [False, True], ids=["varied", "constant"])
+@pytest.mark.parametrize("family", [f for f in mf.families() if not f.singular], ids=lambda f: f.name)
+def test_tails_next_to_the_smallest_numbers(family: Any, build: str, constant: bool) -> None:
+    """Nothing that a value is made of is flushed to zero before the value is."""
+    survival = getattr(BUILDS[build], family.name).survival
+    shape = [np.float32(own.pictured) for own in family.parameters[1:]]
+    slopes = np.geomspace(1e-2, 1e3, 8 * LONG).astype(np.float32)
+    alpha = np.float32(0.3) if constant else np.full(slopes.shape, 0.3, np.float32)
+    expected = survival(np.float64(slopes), np.float64(np.float32(0.3)), *map(np.float64, shape))
+    tail = (expected > 1e-37) & (expected < 1e-32)
+    got = survival(slopes, alpha, *shape)
+    np.testing.assert_allclose(got[tail], expected[tail], rtol=5e-5)

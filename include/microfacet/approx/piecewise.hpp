@@ -89,7 +89,8 @@ struct piecewise : Location {
     const R power = from_bits(
         elementary::wrapping_sum(integers(bits(shifted) << format::mantissa), integers(format::half)), t);
     const R scale = twice * power;
-    return multiply_add(scale, excess, scale);
+    // Next to the smallest number a product that is rounded on its own would be flushed to zero.
+    return MICROFACET_FUSED ? multiply_add(scale, excess, scale) : R(scale * R(R(1) + excess));
   }
   template <std::size_t N, class R>
   MICROFACET_INLINE R value(const double_double<R>& x) const {
@@ -98,7 +99,15 @@ struct piecewise : Location {
     const auto finite = x.high < R(most);
     const R high = select(finite, x.high, R(most));
     const elementary::integers<R> i = this->template piece<N>(high);
-    return of_piece<N>(log_ratio<1>(high, low_where(finite, x), lookup<N>(centre, i)), i);
+    // Without fused operations the low of a product with a factor of nearly the largest number is nan.
+    const auto low = [&] {
+      if constexpr (MICROFACET_FUSED || one_number<R>) {
+        return low_where(finite, x);
+      } else {
+        return low_where(finite & (x.low == x.low), x);
+      }
+    };
+    return of_piece<N>(log_ratio<1>(high, low(), lookup<N>(centre, i)), i);
   }
 };
 
