@@ -12,6 +12,7 @@ import pytest
 
 import microfacet as mf
 from hostile_cases import archive, x3p_index
+from microfacet._surface.read import slope_tables
 from microfacet._surface.read import slopes as slope_files
 
 SIDE = 1500
@@ -79,6 +80,7 @@ def test_a_few_heights(tmp_path: Path) -> None:
 def test_empty_lines_count_for_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit is on the numbers."""
     monkeypatch.setattr(slope_files, "MAX_PIXELS", 5)
+    monkeypatch.setattr(slope_tables, "MAX_PIXELS", 5)
     (tmp_path / "a.csv").write_text("1,2\n\n\n#\n\n3,4\n\n\n\n5,6\n7,8\n9,1")
     assert len(mf.read_slopes(tmp_path / "a.csv")) == 5
     (tmp_path / "a.csv").write_text("1,2\n" * 6)

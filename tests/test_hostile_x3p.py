@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import microfacet as mf
 from hostile_cases import DATA, HEIGHTS, INDEX, archive, check_refused, x3p, x3p_index
+from surface_file_cases import our_own_readers
 
 LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha">' + "".join(
     f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefghi", "bcdefghij", strict=True)
@@ -18,10 +19,10 @@ LAUGHS = '<!DOCTYPE a [<!ENTITY a "ha">' + "".join(
 X3P = {
     "no archive": (b"hello, world\n" * 50, "not a zip file"),
     "empty archive": (archive({}), "no member 'main.xml'"),
-    "no XML": (x3p("hello", DATA), "cannot be read .ParseError"),
+    "no XML": (x3p("hello", DATA), "cannot be read .ExpatError"),
     "other XML": (x3p("<a/>", DATA), "SizeX must be a positive whole number, got 'None'"),
-    "a billion laughs": (x3p(f"{LAUGHS}]><a>&j;</a>", DATA), "cannot be read .ParseError"),
-    "huge XML": (x3p("<a>" + " " * 2**21 + "</a>", DATA), "bytes, 1048576 are expected at most"),
+    "a billion laughs": (x3p(f"{LAUGHS}]><a>&j;</a>", DATA), "declares a document type"),
+    "huge XML": (x3p("<a>" + " " * 2**21 + "</a>", DATA), "more than 1048576 characters besides its points"),
     "cut": (x3p(INDEX, DATA[:-8]), "has 328 bytes, the size of the map asks for 336"),
     "too long": (x3p(INDEX, DATA + b"\0"), "has 337 bytes"),
     "claims 1e12": (x3p(x3p_index(10**6, 10**6), b""), "exceeds the limit"),
@@ -31,7 +32,7 @@ X3P = {
     "no increment": (x3p(INDEX.replace("1e-6", "fast"), DATA), "must be a number, got 'fast'"),
     "nan increment": (x3p(INDEX.replace("1e-6", "nan", 1), DATA), "pixel_size must lie in"),
     "scattered": (x3p(INDEX.replace("<AxisType>I", "<AxisType>A"), DATA), "not equally spaced"),
-    "points as text": (x3p(INDEX.replace("PointDataLink", "DataList"), DATA), "not as a binary matrix"),
+    "no link": (x3p(INDEX.replace("PointDataLink", "Link"), DATA), "names no member that holds its points"),
     "a path": (x3p(INDEX.replace("bindata/data.bin", "../../etc/passwd"), DATA), "no member"),
 }
 
@@ -59,7 +60,7 @@ def test_damaged_x3p_are_read_or_refused(tmp_path, data):
             content[position] = value
         content = content[: data.draw(st.one_of(st.just(len(content)), place))]
     (tmp_path / "map.x3p").write_bytes(bytes(content))
-    with contextlib.suppress(mf.SurfaceError):
+    with contextlib.suppress(mf.SurfaceError), our_own_readers():
         surface = mf.read_surface(tmp_path / "map.x3p")
         assert np.isfinite(surface.heights[surface.mask]).all()
 

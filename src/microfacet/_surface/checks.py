@@ -18,6 +18,7 @@ from microfacet._text import printable
 __all__ = [
     "MAX_PIXELS",
     "METRES_PER_UNIT",
+    "SMALLEST_TRANSFORMED",
     "SurfaceError",
     "checked_file",
     "checked_lag",
@@ -30,6 +31,9 @@ __all__ = [
 #: Largest map that is accepted (8192 x 8192 pixels, 512 MiB as float64): bounds the memory of everything
 #: here.
 MAX_PIXELS = 2**26
+
+#: Pixels along the shorter side of a map from which its spectrum and autocorrelation say anything.
+SMALLEST_TRANSFORMED = 16
 
 #: Files larger than this are refused unread.
 MAX_FILE_BYTES = 2**30

@@ -35,6 +35,7 @@ class HeightMap(Value):
     source: str = "array"
     steps: tuple[str, ...] = ()
     lag: int = 1
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         heights = height_array(self.heights)
@@ -64,6 +65,7 @@ class HeightMap(Value):
         object.__setattr__(self, "mask", valid)
         object.__setattr__(self, "pixel_size", pixel_sizes(self.pixel_size))
         object.__setattr__(self, "steps", tuple(self.steps))
+        object.__setattr__(self, "warnings", tuple(self.warnings))
         object.__setattr__(self, "lag", checked_lag(self.lag))
 
     def at_lag(self, lag: int | None = None, *, length: float | None = None) -> Self:

@@ -40,6 +40,8 @@ class Surface(HeightMap):
         Every preparation step taken so far, in order, one phrase each.
     lag : int
         The lag in pixels at which `slopes` are taken unless another is asked for.
+    warnings : tuple of str
+        What is doubtful about the source, a sentence each; every result repeats them.
 
     Raises
     ------

@@ -2,78 +2,68 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microfacet import _optional
-from microfacet._surface.checks import SurfaceError, positive
+from microfacet._surface.checks import SurfaceError
 from microfacet._surface.read import process
+from microfacet._surface.read.raw import Channel, RawMap
 
-__all__ = ["SUFFIXES", "HeightImage", "decode", "read"]
+__all__ = ["STARTS", "channels", "decode", "read"]
 
-SUFFIXES = (".png", ".tif", ".tiff", ".exr")
-
-
-@dataclass(frozen=True)
-class HeightImage:
-    """Heights with the lowest row first, in metres where `in_metres`, and the pixel size where stated."""
-
-    heights: NDArray[np.float64]
-    pixel_size: tuple[float, float] | None
-    in_metres: bool
-    steps: tuple[str, ...]
+#: What PNG, TIFF (with BigTIFF), EXR and JPEG begin with.
+STARTS = (
+    b"\x89PNG\r\n\x1a\n", b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\x76\x2f\x31\x01", b"\xff\xd8\xff",
+)  # fmt: skip
+_NO_SIZE = "the image does not state its pixel size, give pixel_size (--pixel-size) in metres"
+_DEGREES = "the pixels are in degrees, give pixel_size (--pixel-size) in metres or project the map first"
+_FEET = "the pixels are not in metres, give pixel_size (--pixel-size) in metres"
 
 
-def decode(file: Path, *, normals: bool, channel: int | str | None = None) -> tuple[dict[str, Any], Any]:
+def decode(
+    file: Path, *, normals: bool, channel: int | str | None = None, only_list: bool = False
+) -> tuple[dict[str, Any], Any]:
     """What the file says about its pixels, and the pixels."""
     for library in ("OpenImageIO", "tifffile"):
         if not _optional.installed(library):
             raise SurfaceError(_optional.sentence("reading images needs", library))
-    return process.run("image_child", file, file.stat().st_size, normals=normals, channel=channel)
+    size = file.stat().st_size
+    return process.run("image_child", file, size, normals=normals, channel=channel, list=only_list)
 
 
-def read(
-    file: Path, channel: int | str | None, height_scale: float | None, stated_unit: bool, sized: bool
-) -> HeightImage | None:
-    """The heights of an image; None for a microscope's file, which is an image by its suffix alone."""
-    scale = None if height_scale is None else positive(height_scale, "height_scale")
+def read(file: Path, channel: int | str | None) -> RawMap | None:
+    """The heights of an image; None for a microscope's file, which is an image by its beginning alone."""
     facts, pixels = decode(file, normals=False, channel=channel)
-    geographic = "pixel_size" in facts
     if facts.get("microscope"):
         return None
-    if facts["bits"] == 8:
-        raise SurfaceError("8 bits hold 256 heights, too few for slopes: export 16 bits or floating point")
-    if height_scale is None and facts["bits"] and not geographic:
-        raise SurfaceError(
-            "grey levels are no lengths, give height_scale (--scale), the metres per grey level"
-        )
-    if height_scale is None and not geographic and not stated_unit:
-        raise SurfaceError(
-            "the image does not state its unit of length, give unit= (--unit) or height_scale="
-        )
-    if geographic and not sized:
-        _refuse_what_is_not_metres(facts)
-    steps: tuple[str, ...] = ("rows turned so that y runs up the image",)
-    if scale is not None:
-        pixels = pixels * scale
-        steps += (f"heights of {scale:g} m per grey level, as given by the caller",)
-    size = facts.get("pixel_size")
-    return HeightImage(
+    if "geographic" in facts and not facts["metric_heights"]:
+        raise SurfaceError("the heights are not in metres, convert them first")
+    geographic = "geographic" in facts
+    size, no_size = facts.get("pixel_size"), _NO_SIZE
+    if geographic and size is not None and (facts["geographic"] or not facts["metric"]):
+        size, no_size = None, _DEGREES if facts["geographic"] else _FEET
+    return RawMap(
         np.flipud(pixels),
-        None if size is None else (size[0], size[1]),
-        in_metres=height_scale is not None,
-        steps=steps,
+        "GeoTIFF" if geographic else f"{facts['format']} image",
+        size=None if size is None else (size[0], size[1]),
+        size_unit=None if size is None else "m",
+        usual="m" if geographic else None,
+        channel=facts.get("channel"),
+        image=True,
+        bits=facts["bits"],
+        no_size=no_size,
+        steps=("rows turned so that y runs up the image",),
     )
 
 
-def _refuse_what_is_not_metres(facts: dict[str, Any]) -> None:
-    if facts["geographic"]:
-        raise SurfaceError(
-            "the pixels are in degrees, give pixel_size (--pixel-size) in metres or project the map first"
-        )
-    if not facts["metric"]:
-        raise SurfaceError("the pixels are not in metres, give pixel_size (--pixel-size) in metres")
+def channels(file: Path) -> list[Channel] | None:
+    """The pages of a TIFF of several, or the channels of an image; None for a microscope's file."""
+    facts, _ = decode(file, normals=False, only_list=True)
+    if facts.get("microscope"):
+        return None
+    if len(facts.get("pages", ())) > 1:
+        return [Channel(f"page {page}", page, (nx, ny)) for page, nx, ny in facts["pages"]]
+    return [Channel(name, index, tuple(facts["pixels"])) for index, name in enumerate(facts["channels"])]

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from microfacet._surface.checks import MAX_PIXELS, SurfaceError, short
 
-__all__ = ["MAX_ARCHIVE_BYTES", "check_archive", "is_npy", "npz_names", "read_npy", "read_npz"]
+__all__ = ["MAX_ARCHIVE_BYTES", "check_archive", "is_npy", "npz_names", "npz_shapes", "read_npy", "read_npz"]
 
 #: The members of a zip file (npz, x3p, …) may unpack to at most this many bytes together.
 MAX_ARCHIVE_BYTES = 2**30
@@ -49,6 +49,18 @@ def npz_names(path: Path) -> list[str]:
     check_archive(path)
     with zipfile.ZipFile(path) as archive:
         return [info.filename.removesuffix(".npy") for info in archive.infolist()]
+
+
+def npz_shapes(path: Path) -> dict[str, tuple[int, ...]]:
+    """The shapes that the arrays in a ``.npz`` file claim, by name, without their numbers."""
+    check_archive(path)
+    shapes = {}
+    with zipfile.ZipFile(path) as archive:
+        for info in archive.infolist():
+            with archive.open(info) as member:
+                head = member.read(_MAX_HEADER_BYTES)
+            shapes[info.filename.removesuffix(".npy")] = _parse_header(head)[0]
+    return shapes
 
 
 def read_npz(path: Path, names: Collection[str]) -> dict[str, NDArray[Any]]:

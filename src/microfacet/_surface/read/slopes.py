@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-import itertools
 import os
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from microfacet import _optional
-from microfacet._surface.checks import MAX_PIXELS, SurfaceError, checked_file, short
-from microfacet._surface.read import images, numpy_files, process, text_files
+from microfacet._surface.checks import MAX_PIXELS, SurfaceError, checked_file, checked_lag, short
+from microfacet._surface.lagged import averaged
+from microfacet._surface.read import images, kinds, slope_tables
 from microfacet._text import printable
 from microfacet._value import Value
 
 __all__ = ["SlopeSample", "read_normal_map", "read_slopes"]
+
+_LOSSY = (
+    "the normal map is a JPEG, whose compression changes normals and adds some of its own: prefer the PNG "
+    "that it was made from"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +37,60 @@ class SlopeSample(Value):
         Where they come from, for display.
     steps : tuple of str
         What was done to them, one phrase each.
+    warnings : tuple of str
+        What is doubtful about them, a sentence each.
+    grid : ndarray of bool, shape (ny, nx), optional
+        Of a normal map: which pixels have a slope. They hold `values` row by row, so that a fit knows which
+        of them are neighbours.
+    lag : int, optional
+        The lag in pixels over which they are averaged; None as they were measured.
     """
 
     values: NDArray[np.float64]
     source: str
     steps: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    grid: NDArray[np.bool_] | None = None
+    lag: int | None = None
 
     def __post_init__(self) -> None:
+        if self.grid is not None and np.count_nonzero(self.grid) != len(self.values):
+            raise SurfaceError(
+                f"grid must be True for as many pixels as there are slopes, {len(self.values)}, got "
+                f"{np.count_nonzero(self.grid)}"
+            )
         self._keep(**self._state())
+
+    def at_lag(self, lag: int) -> Self:
+        """The slopes of the same normal map over a longer baseline.
+
+        A slope at lag l is the mean of those between the pixels l to the left and to the right, respectively
+        above and below, as differences of heights over 2 l pixels are.
+
+        Parameters
+        ----------
+        lag : int
+            Pixels on each side, at least 1.
+
+        Returns
+        -------
+        SlopeSample
+            With this `lag`; a pixel is left out where one of those that it needs is missing.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> p = np.tile([0.0, 0.2], 12)
+        >>> stripes = SlopeSample(np.column_stack((p, p)), "stripes", grid=np.ones((4, 6), bool))
+        >>> stripes.at_lag(1).values[0]
+        array([0.1, 0.2])
+        """
+        if self.grid is None or self.lag is not None:
+            what = "slopes without positions have" if self.grid is None else "these slopes have already"
+            raise SurfaceError(f"{what} {'no' if self.grid is None else 'a'} lag, got lag {short(lag)}")
+        values, known = averaged(self.values, self.grid, checked_lag(lag))
+        step = f"slopes averaged over a lag of {lag} pixels"
+        return replace(self, values=values, grid=known, lag=lag, steps=(*self.steps, step))
 
     def __len__(self) -> int:
         return len(self.values)
@@ -52,17 +102,21 @@ class SlopeSample(Value):
 def read_slopes(path: str | os.PathLike[str]) -> SlopeSample:
     """Read slopes from a table of two columns, p along +x and q along +y.
 
+    Columns go by their names, p and q (or slope_x and slope_y, dz/dx and dz/dy), in any order and among
+    others; two columns of other names, or without, are p and q in this order. The content decides what a
+    file is, not its name; ``.gz`` is unpacked.
+
     Parameters
     ----------
     path : path-like
-        ``.npy``: an array (N, 2). ``.npz``: an array ``slopes`` (N, 2), or ``p`` and ``q``. ``.csv``,
-        ``.tsv``, ``.txt``, ``.dat``: two numbers in every line, with or without a heading. ``.parquet``
-        (extra ``parquet``): the columns ``p`` and ``q``, or the only two.
+        NumPy's ``.npy``: an array (N, 2). ``.npz``: an array ``slopes`` (N, 2), or ``p`` and ``q``. Text
+        (``.csv``, ``.tsv``, ``.txt``, ...): a row in every line, with or without a heading. Parquet (extra
+        ``parquet``).
 
     Returns
     -------
     SlopeSample
-        The rows that are finite; `steps` say how many are not.
+        The rows that are finite; `steps` say how many are not, and which columns were left out.
 
     Raises
     ------
@@ -84,11 +138,10 @@ def read_slopes(path: str | os.PathLike[str]) -> SlopeSample:
     ('1 of 3 rows left out, which are not finite',)
     """
     file = Path(path)
-    with checked_file(file):
-        suffix = file.suffix.lower()
-        if suffix not in _READERS:
-            raise SurfaceError(f"slopes come in {', '.join(_READERS)}, not in {short(suffix)}")
-        table = np.asarray(_READERS[suffix](file))
+    with checked_file(file), np.errstate(over="ignore", invalid="ignore"):
+        with kinds.unpacked(file) as inner:
+            columns, remarks = slope_tables.read_columns(inner)
+        table = np.asarray(columns)
         if table.ndim != 2 or table.shape[1] != 2 or table.dtype.kind not in "iuf":
             raise SurfaceError(
                 f"slopes are two columns of real numbers, got {table.dtype} of shape {table.shape}"
@@ -97,7 +150,7 @@ def read_slopes(path: str | os.PathLike[str]) -> SlopeSample:
             raise SurfaceError(f"the file holds more than {MAX_PIXELS} slopes, which is the limit")
         values = table.astype(np.float64)
         finite = np.asarray(np.isfinite(values).all(axis=1))
-        return _sample(file, values, finite, "rows", "which are not finite")
+        return _sample(file, values, finite, "rows", "which are not finite", remarks)
 
 
 def read_normal_map(path: str | os.PathLike[str], convention: str = "opengl") -> SlopeSample:
@@ -111,7 +164,7 @@ def read_normal_map(path: str | os.PathLike[str], convention: str = "opengl") ->
     Parameters
     ----------
     path : path-like
-        A PNG or TIFF of 8, 16 or 32 bits, or an EXR (extra ``surface``).
+        A PNG or TIFF of 8, 16 or 32 bits, an EXR, or a JPEG, which gets a warning (extra ``surface``).
     convention : {"opengl", "directx"}
         Whether green points up or down the image.
 
@@ -136,8 +189,8 @@ def read_normal_map(path: str | os.PathLike[str], convention: str = "opengl") ->
         raise SurfaceError(f"convention must be opengl or directx, got {short(convention)}")
     file = Path(path)
     with checked_file(file):
-        if file.suffix.lower() not in images.SUFFIXES:
-            raise SurfaceError(f"a normal map is one of {', '.join(images.SUFFIXES)}")
+        if kinds.kind_of(file) != "image":
+            raise SurfaceError("a normal map is a PNG, TIFF, EXR or JPEG image, and this is none of them")
         facts, pixels = images.decode(file, normals=True)
         normals = pixels.reshape(-1, 3)
         if facts["signed"]:
@@ -155,53 +208,22 @@ def read_normal_map(path: str | os.PathLike[str], convention: str = "opengl") ->
         with np.errstate(all="ignore"):
             values = np.column_stack((-x / z, (-y if convention == "opengl" else y) / z))
         good &= np.isfinite(values).all(axis=1)
-        sample = _sample(file, values, good, "pixels", "whose z is not positive")
-        return SlopeSample(sample.values, sample.source, (*steps, *sample.steps))
+        warnings = (_LOSSY,) if facts["format"] == "jpeg" else ()
+        sample = _sample(file, values, good, "pixels", "whose z is not positive", steps, warnings)
+        return replace(sample, grid=good.reshape(pixels.shape[:2]))
 
 
 def _sample(
-    file: Path, values: NDArray[np.float64], good: NDArray[np.bool_], what: str, why: str
+    file: Path,
+    values: NDArray[np.float64],
+    good: NDArray[np.bool_],
+    what: str,
+    why: str,
+    steps: Sequence[str] = (),
+    warnings: tuple[str, ...] = (),
 ) -> SlopeSample:
     bad = int(np.count_nonzero(~good))
     if bad == len(values):
         raise SurfaceError(f"none of the {len(values)} {what} holds a slope")
-    steps = (f"{bad} of {len(values)} {what} left out, {why}",) if bad else ()
-    return SlopeSample(values[good], printable(file.name, 255), steps)
-
-
-def _npz(file: Path) -> NDArray[Any]:
-    arrays = numpy_files.read_npz(file, ("slopes", "p", "q"))
-    if "slopes" in arrays:
-        return arrays["slopes"]
-    if "p" in arrays and "q" in arrays and arrays["p"].shape == arrays["q"].shape:
-        return np.column_stack((arrays["p"].ravel(), arrays["q"].ravel()))
-    raise SurfaceError("the file holds neither an array slopes (N, 2) nor two arrays p and q of one shape")
-
-
-def _text(file: Path) -> NDArray[Any]:
-    with file.open("rb") as stream:
-        rows = (line for line in text_files.lines(stream) if line.partition("#")[0].strip())
-        first = next(rows, None)
-        if first is None:
-            raise SurfaceError("the file holds no numbers")
-        delimiter = text_files.separator(first)
-        heading = text_files.is_heading(first.partition("#")[0], delimiter)
-        table = itertools.chain(() if heading else (first,), rows)
-        return text_files.table(table, delimiter, MAX_PIXELS + 1)
-
-
-def _parquet(file: Path) -> NDArray[Any]:
-    if not _optional.installed("pyarrow"):
-        raise SurfaceError(_optional.sentence("a .parquet file needs", "pyarrow"))
-    return process.run("parquet_child", file, file.stat().st_size)[1]
-
-
-_READERS: dict[str, Callable[[Path], NDArray[Any]]] = {
-    ".npy": numpy_files.read_npy,
-    ".npz": _npz,
-    ".csv": _text,
-    ".tsv": _text,
-    ".txt": _text,
-    ".dat": _text,
-    ".parquet": _parquet,
-}
+    left_out = (f"{bad} of {len(values)} {what} left out, {why}",) if bad else ()
+    return SlopeSample(values[good], printable(file.name, 255), (*steps, *left_out), warnings)
