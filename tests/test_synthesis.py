@@ -57,7 +57,7 @@ def test_quantiles_rise():
 def test_a_gaussian_map_has_the_slopes_of_beckmann(alpha):
     x, y, turn = alpha
     ndf = mf.Beckmann(alpha_x=x, alpha_y=y, rotation=turn)
-    surface = mf.synthesize(ndf, (512, 640), (1e-6, 1.3e-6), correlation_length=6e-6, seed=2)
+    surface = mf.synthesize(ndf, (512, 640), (1e-6, 1.3e-6), correlation_length=6e-6, seed=2, pinned=True)
     slopes = surface.slopes()
     target = mixing.stretch(ndf)
     white = slopes @ np.linalg.inv(target).T * math.sqrt(2)
@@ -116,12 +116,51 @@ def test_slopes_far_apart_follow_the_family(ndf):
 )
 def test_a_fit_recovers_the_family_and_its_axes(ndf, of_alpha, of_shape):
     """Within what the documentation of `synthesize` promises for such a map."""
-    slopes = mf.synthesize(ndf, (1024, 1024), seed=11).slopes()[::29]
-    (found,) = mf.fit(slopes, ndf.family)
+    slopes = mf.synthesize(ndf, (1024, 1024), seed=11, pinned=True).slopes()[::29]
+    (found,) = mf.fit(slopes, ndf.family, symmetry="anisotropic")
     within = {"alpha_x": of_alpha, "alpha_y": of_alpha, "gamma": of_shape, "a": of_shape}
     for name, value in ndf.parameters.items():
         tolerance = within[name] * value if name in within else 0.03  # radians
         assert found.params[name] == pytest.approx(value, abs=tolerance), name
+
+
+def test_seeds_scatter_as_the_stated_correlation_says():
+    """The mean square slope of a periodic Gaussian field has the relative variance 2 sum S^2/(sum S)^2, with
+    the power spectrum S of its slopes; a pinned map has none.
+    """
+    ndf, size, length = mf.Beckmann(alpha=0.3), 48, 5.0
+
+    def squares(**options):
+        for seed in range(150):
+            surface = mf.synthesize(ndf, (size, size), 1.0, correlation_length=length, seed=seed, **options)
+            h = np.pad(surface.heights, 1, mode="wrap")
+            yield np.mean((h[1:-1, 2:] - h[1:-1, :-2]) ** 2 + (h[2:, 1:-1] - h[:-2, 1:-1]) ** 2) / 4
+
+    found, pinned = np.array(list(squares())), np.array(list(squares(pinned=True)))
+    assert np.ptp(pinned) < 1e-12
+    assert pinned[0] == pytest.approx(0.09)
+    waves = 2 * math.pi * np.fft.fftfreq(size)
+    kx, ky = np.meshgrid(waves, waves)
+    power = np.exp(-(kx**2 + ky**2) * length**2 / 4) * (np.sin(kx) ** 2 + np.sin(ky) ** 2)
+    expected = 2 * np.sum(power**2) / np.sum(power) ** 2
+    # Mean and variance of 150 maps, within 3.5 of their own standard errors.
+    assert np.mean(found) == pytest.approx(0.09, rel=3.5 * math.sqrt(expected / 150))
+    assert np.var(found) / 0.09**2 == pytest.approx(expected, rel=3.5 * math.sqrt(2 / 150))
+
+
+def test_the_roughness_of_maps_follows_the_law_over_the_seeds():
+    """Local roughness where the map is largest scatters: the median slope of maps of few regions."""
+    ndf = mf.StudentT(alpha=0.3, gamma=3.0)
+    medians = [
+        [
+            np.median(np.hypot(*mf.synthesize(ndf, (96, 96), seed=seed, pinned=pinned).slopes().T))
+            for seed in range(40)
+        ]
+        for pinned in (False, True)
+    ]
+    assert np.std(medians[0]) > 3 * np.std(medians[1])
+    exact = float(mf.student_t.sample_slope(0.5, 0.3, 3.0))
+    assert np.mean(medians[0]) == pytest.approx(exact, abs=3.5 * np.std(medians[0]) / math.sqrt(40))
 
 
 def test_same_seed_same_map():

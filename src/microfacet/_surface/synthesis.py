@@ -20,6 +20,7 @@ Map = NDArray[np.float64]
 
 _CORRELATION_PIXELS = 4.0  # the default: slopes by central differences see all of the spectrum
 _SUMMIT_PIXELS, _SCORES = 30, 41  # pixels beyond the last of so many quantiles
+_LEAST = 1e-15  # probabilities stay this far inside (0, 1)
 _FEWEST_PIXELS = 2.0  # for a correlation length; exp(-10) of the spectrum lies beyond the grid there
 
 
@@ -31,6 +32,7 @@ def synthesize(
     correlation_length: float | None = None,
     amplitude_length: float | None = None,
     seed: int = 0,
+    pinned: bool = False,
 ) -> Surface:
     r"""A random height map whose slopes at lag 1 follow a distribution.
 
@@ -40,9 +42,13 @@ def synthesize(
     .. math:: h(x, y) = \sqrt{m(x, y)}\, g(x, y)
 
     with g a Gaussian field whose slopes have the covariance of the family's Beckmann surface, and m a field
-    that varies slowly: a second, independent Gaussian field, whose ranks over the map become the quantiles of
-    the family's mixing law (a Gaussian copula). Locally the surface is a Beckmann surface, rougher here and
+    that varies slowly: a second, independent Gaussian field, whose probabilities become the quantiles of the
+    family's mixing law (a Gaussian copula). Locally the surface is a Beckmann surface, rougher here and
     smoother there. Fields are periodic and band-limited; Beckmann needs no m, its map is a Gaussian field.
+
+    A map is a sample: another seed gives another one, whose roughness and shape scatter as those of measured
+    maps of the same correlation do. So intervals can be tested with it: they hold the parameters of `ndf` as
+    often as they state. A `pinned` map has the law as exactly as a map can, and does not scatter so.
 
     Parameters
     ----------
@@ -62,6 +68,9 @@ def synthesize(
         the geometric mean of the correlation length and the shorter side of the map.
     seed : int
         Same seed, same map.
+    pinned : bool
+        Make the mean square slope of g that of the family on this very map, and let the ranks of the second
+        field over the map, in place of its probabilities, become the quantiles of m.
 
     Returns
     -------
@@ -75,17 +84,19 @@ def synthesize(
 
     Notes
     -----
-    What is exact: the law of m over the map (by ranks), the mean square slope of g, and for Beckmann the
-    normality of slopes. What is not: where m varies, the slope has the second part ``g grad sqrt(m)``, which
-    adds about ``Var(ln sqrt m) (correlation_length/amplitude_length)^2`` to the mean square of the first; it
-    blunts the infinite density at slope 0 of k0 and bessel_k. And a map holds few independent values of m,
-    about one for each square of the amplitude length, so the most extreme slopes of one map, a hundred in a
-    million, come from its highest summit of m alone.
+    What is exact: at every pixel the law of m and, for Beckmann, that of the slopes, over all seeds; of a
+    pinned map, the law of m over the map by ranks and the mean square slope of g. What is not: where m
+    varies, the slope has the second part ``g grad sqrt(m)``, which adds about
+    ``Var(ln sqrt m) (correlation_length/amplitude_length)^2`` to the mean square of the first; it blunts the
+    infinite density at slope 0 of k0 and bessel_k. And a map holds few independent values of m, about one for
+    each square of the amplitude length, so the most extreme slopes of one map, a hundred in a million, come
+    from its highest summit of m alone.
 
-    Measured on maps of 1024 x 1024 pixels with the default lengths (ten distributions of all families, twelve
-    seeds each): a maximum-likelihood fit of the same family returns alpha within 1.5 % (3.5 % for gtr and for
-    bessel_k of a = 2.5, whose parameters trade off), gamma within 3.5 %, a within 5 %, all of them without
-    bias beyond 0.5 %; slopes an amplitude length apart pass a Kolmogorov-Smirnov test on the radial survival.
+    Measured on pinned maps of 1024 x 1024 pixels with the default lengths (ten distributions of all families,
+    twelve seeds each): a maximum-likelihood fit of the same family returns alpha within 1.5 % (3.5 % for gtr
+    and for bessel_k of a = 2.5, whose parameters trade off), gamma within 3.5 %, a within 5 %, all of them
+    without bias beyond 0.5 %; slopes an amplitude length apart pass a Kolmogorov-Smirnov test on the radial
+    survival. Maps that are not pinned scatter by several times that (docs/fitting_coverage.md).
 
     Examples
     --------
@@ -93,7 +104,7 @@ def synthesize(
     >>> surface = mf.synthesize(mf.StudentT(alpha=0.2, gamma=3.0), (256, 256), pixel_size=1e-6, seed=1)
     >>> surface.heights.shape, surface.steps[0][:40]
     ((256, 256), 'synthetic: student_t with alpha_x 0.2, a')
-    >>> gaussian = mf.synthesize(mf.Beckmann(alpha=0.2), (256, 256))
+    >>> gaussian = mf.synthesize(mf.Beckmann(alpha=0.2), (256, 256), pinned=True)
     >>> print(f"{mf.roughness(gaussian).Sdq:.2f}")
     0.20
     """
@@ -114,8 +125,10 @@ def synthesize(
         raise SurfaceError("the map must be at least 4 correlation lengths wide, along the smoother axis too")
     random = np.random.default_rng(seed)
     target = stretch @ stretch.T / 2
-    heights = _gaussian(random, (rows, columns), size, _matched(target, length, size))
-    heights /= _rms(heights, size, target)
+    inverse = _matched(target, length, size)
+    heights = _gaussian(random, (rows, columns), size, inverse)
+    rms = _rms(heights, size, target) if pinned else _expected_rms((rows, columns), size, inverse, target)
+    heights /= rms
     steps = f"correlation length {length:g} m"
     if quantile is not None:
         slow = positive(amplitude_length or math.sqrt(length * side), "amplitude_length")
@@ -125,7 +138,8 @@ def synthesize(
                 f"{2 * length * anisotropy:g} and {side / 2:g} m, got {slow:g}"
             )
         field = _gaussian(random, (rows, columns), size, np.eye(2) / slow**2)
-        heights *= np.sqrt(quantile(_shares(field)))
+        shares = _shares(field) if pinned else np.clip(special.ndtr(field), _LEAST, 1 - _LEAST)
+        heights *= np.sqrt(quantile(shares))
         steps += f", amplitude length {slow:g} m"
     called = "own density" if ndf.family == "radial" else ndf.family
     values = ", ".join(f"{name} {value:.6g}" for name, value in ndf.parameters.items())
@@ -133,21 +147,48 @@ def synthesize(
         heights - np.mean(heights),
         size,
         source=f"synthetic {called}",
-        steps=(f"synthetic: {called} with {values}, {steps}, seed {seed}",),
+        steps=(f"synthetic: {called} with {values}, {steps}, seed {seed}{', pinned' * pinned}",),
     )
 
 
 def _gaussian(
     random: np.random.Generator, shape: tuple[int, int], size: tuple[float, float], inverse: Map
 ) -> Map:
-    """A periodic Gaussian field with the correlation ``exp(-r^T inverse r)``, by filtering white noise."""
+    """A periodic Gaussian field of variance 1 with the correlation ``exp(-r^T inverse r)``, by filtering
+    white noise.
+    """
+    root = _root_spectrum(shape, size, inverse)
+    variance = np.sum(root**2 * _weights(shape)) / (shape[0] * shape[1])
+    field = fft.irfft2(fft.rfft2(random.standard_normal(shape)) * root, s=shape)
+    return np.asarray(field / math.sqrt(float(variance)))
+
+
+def _root_spectrum(shape: tuple[int, int], size: tuple[float, float], inverse: Map) -> Map:
+    """The root of the spectrum ``exp(-k^T inverse^-1 k/4)``, at the waves of `rfft2`."""
     kx = 2 * math.pi * fft.rfftfreq(shape[1], size[0])[np.newaxis, :]
     ky = 2 * math.pi * fft.fftfreq(shape[0], size[1])[:, np.newaxis]
     form = np.linalg.inv(inverse)
     exponent = form[0, 0] * kx**2 + 2 * form[0, 1] * kx * ky + form[1, 1] * ky**2
-    noise = fft.rfft2(random.standard_normal(shape))
-    field = fft.irfft2(noise * np.exp(-exponent / 8), s=shape)  # the root of the spectrum exp(-k^T form k/4)
-    return np.asarray((field - np.mean(field)) / np.std(field))
+    return np.asarray(np.exp(-exponent / 8))
+
+
+def _weights(shape: tuple[int, int]) -> Map:
+    """For how many waves of the map each column of `rfft2` stands."""
+    weights = np.full(shape[1] // 2 + 1, 2.0)
+    weights[0] = 1.0
+    if shape[1] % 2 == 0:
+        weights[-1] = 1.0
+    return weights
+
+
+def _expected_rms(shape: tuple[int, int], size: tuple[float, float], inverse: Map, target: Map) -> float:
+    """What `_rms` is of such a field on average over the seeds, from its spectrum."""
+    power = _root_spectrum(shape, size, inverse) ** 2 * _weights(shape)
+    sx = np.sin(2 * math.pi * fft.rfftfreq(shape[1]))[np.newaxis, :] / size[0]
+    sy = np.sin(2 * math.pi * fft.fftfreq(shape[0]))[:, np.newaxis] / size[1]
+    own = np.linalg.inv(target)
+    square = power * (own[0, 0] * sx**2 + 2 * own[0, 1] * sx * sy + own[1, 1] * sy**2)
+    return math.sqrt(float(np.sum(square) / np.sum(power)) / 2)
 
 
 def _matched(target: Map, length: float, size: tuple[float, float]) -> Map:

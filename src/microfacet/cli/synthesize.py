@@ -12,7 +12,7 @@ import microfacet as mf
 from microfacet._files import ending, replacing
 from microfacet.cli.densities import DensityCommand, density_option
 from microfacet.cli.parameters import axes_options, family_named, parameter_options, stretched
-from microfacet.cli.printing import announce, where
+from microfacet.cli.printing import announce, finite, where
 from microfacet.cli.program import json_option
 
 __all__ = ["synthesize"]
@@ -38,6 +38,7 @@ __all__ = ["synthesize"]
     "--amplitude-length", type=float, metavar="X", help="Over which the roughness varies, in metres."
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Same seed, same map.")
+@click.option("--pinned", is_flag=True, help="Let this very map have the law, and seeds not scatter.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False), required=True, help="The FILE.npz to write.")
 @json_option
 def synthesize(
@@ -50,7 +51,9 @@ def synthesize(
 ) -> None:
     """Make a random height map whose slopes at lag 1 follow FAMILY.
 
-    The file holds heights and pixel_size in metres; `fit` and `report` read it. The map is periodic.
+    The file holds heights and pixel_size in metres; `fit` and `report` read it. The map is periodic. Seeds
+    scatter about FAMILY as maps of this correlation do; with --pinned the map has its law as exactly as a
+    map can.
 
     \b
     Examples:
@@ -76,7 +79,7 @@ def synthesize(
             "seed": how["seed"],
             "steps": surface.steps,
         }
-        roughness = mf.roughness(surface)._asdict()
+        roughness = finite(mf.roughness(surface)._asdict())
         announce(json.dumps({"path": where(output), **record, "roughness": roughness}), output)
     else:
         announce(where(output), output)
