@@ -37,6 +37,11 @@ class Case:
         """The parameters by name."""
         return dict(self.parameters)
 
+    @property
+    def symmetry(self) -> str:
+        """As a result of a fit names it."""
+        return "isotropic" if "alpha" in self.truth else "anisotropic"
+
     def slopes(self, n: int, repetition: int) -> NDArray[np.float64]:
         """n independent slopes; each repetition has random numbers of its own."""
         rng = np.random.default_rng([zlib.crc32(str(self).encode()), repetition])
@@ -53,8 +58,8 @@ class Case:
         return np.column_stack((c * p - s * q, s * p + c * q))
 
     def fit(self, slopes: NDArray[np.float64]) -> Any:
-        """The same family fitted."""
-        return mf.fit(slopes, self.family)[0]
+        """The same family fitted, with the same parameters."""
+        return mf.fit(slopes, self.family, symmetry=self.symmetry)[0]
 
     def deviations(self, slopes: NDArray[np.float64]) -> dict[str, float]:
         """(fitted - true)/standard error of every parameter."""
@@ -66,19 +71,41 @@ class Case:
 
 
 def cases() -> list[Case]:
-    """Every family; those with a shape parameter at several."""
-    found = []
+    """Every family with all parameters that it can have; those with a shape parameter at several."""
+    return [
+        case
+        for name, family in FAMILIES.items()
+        for case in _cases(name, tuple(STRETCH.items()) if family.anisotropic else (("alpha", 0.2),))
+    ]
+
+
+def isotropic_cases() -> list[Case]:
+    """The same with one roughness, of the families that can have two."""
+    names = [name for name, family in FAMILIES.items() if family.anisotropic]
+    return [case for name in names for case in _cases(name, (("alpha", 0.2),))]
+
+
+def _cases(name: str, roughness: tuple[tuple[str, float], ...]) -> list[Case]:
+    own = FAMILIES[name].parameters[1:]
+    if name == "gtr":
+        return [Case(name, (("alpha", alpha), ("gamma", gamma))) for alpha, gamma in GTR]
+    if not own:
+        return [Case(name, roughness)]
+    return [Case(name, (*roughness, (own[0].name, value))) for value in SHAPES[name]]
+
+
+def simplest(case: Case) -> str:
+    """The family with the fewest parameters that is this density: gtr is ggx at gamma 2."""
+    own, truth = FAMILIES[case.family], case.truth
+    at = (truth.get("alpha", 1.0), *(truth[parameter.name] for parameter in own.parameters[1:]))
+    radius = own.kernels.sample_slope(np.linspace(0.01, 0.99, 99), *at)
     for name, family in FAMILIES.items():
-        if not family.anisotropic:
-            pairs = GTR if name == "gtr" else [(0.2, value) for value in SHAPES[name]]
-            shape = family.parameters[1].name
-            found += [Case(name, (("alpha", alpha), (shape, value))) for alpha, value in pairs]
-        elif family.parameters[1:]:
-            shape = family.parameters[1].name
-            found += [Case(name, (*STRETCH.items(), (shape, value))) for value in SHAPES[name]]
-        else:
-            found.append(Case(name, tuple(STRETCH.items())))
-    return found
+        if len(family.parameters) < len(own.parameters):
+            alpha = radius[49] / family.kernels.sample_slope(0.5, 1.0)
+            same = family.kernels.P22(radius, 0.0, alpha) / own.kernels.P22(radius, 0.0, *at)
+            if np.allclose(same, 1.0, rtol=1e-9):
+                return name
+    return case.family
 
 
 def coverage_p_value(covered: int, repetitions: int) -> float:

@@ -14,16 +14,17 @@ from microfacet._fit import blocks
 from microfacet.testing import sidak
 
 CASES = fit_cases.cases()
+ALL_CASES = [*CASES, *fit_cases.isotropic_cases()]
 REPETITIONS = 20
 
 
-@pytest.mark.parametrize("case", CASES, ids=str)
+@pytest.mark.parametrize("case", ALL_CASES, ids=str)
 def test_intervals_cover_the_truth(case):
     """20 repetitions at fixed seeds; `make fit-coverage` runs 200 (docs/fitting_tests.md)."""
     deviations = [case.deviations(case.slopes(5000, repetition)) for repetition in range(REPETITIONS)]
     for name, _ in case.parameters:
         covered = sum(abs(deviation[name]) < stats.norm.ppf(0.975) for deviation in deviations)
-        assert fit_cases.coverage_p_value(covered, REPETITIONS) > sidak(0.01, 3 * len(CASES)), name
+        assert fit_cases.coverage_p_value(covered, REPETITIONS) > sidak(0.01, 3 * len(ALL_CASES)), name
 
 
 @pytest.mark.parametrize("case", {case.family: case for case in CASES}.values(), ids=str)
@@ -37,7 +38,7 @@ def test_beckmann_errors_have_a_closed_form():
     1)/(4 n)).
     """
     slopes = np.random.default_rng(3).standard_t(7, size=(40_000, 2)) * [0.2, 0.1]
-    (result,) = mf.fit(slopes, "beckmann")
+    (result,) = mf.fit(slopes, "beckmann", symmetry="anisotropic")
     kurtosis = np.mean((slopes - slopes.mean(axis=0)) ** 4, axis=0) / np.var(slopes, axis=0) ** 2
     for name, k in zip(("alpha_x", "alpha_y"), kurtosis, strict=True):
         expected = result.params[name] * math.sqrt((k - 1) / (4 * len(slopes)))
@@ -73,7 +74,7 @@ def test_errors_of_correlated_slopes_are_those_of_repeated_maps():
     """Over 40 maps the spread of alpha is what each map says of its error, many times that of as many
     slopes.
     """
-    fits = [mf.fit(correlated_map(seed), "beckmann")[0] for seed in range(40)]
+    fits = [mf.fit(correlated_map(seed), "beckmann", symmetry="anisotropic")[0] for seed in range(40)]
     alphas = np.array([[fit.params["alpha_x"], fit.params["alpha_y"]] for fit in fits])
     errors = np.array([[fit.standard_errors["alpha_x"], fit.standard_errors["alpha_y"]] for fit in fits])
     ratio = np.mean(errors**2) / np.mean(np.var(alphas, axis=0, ddof=1))
@@ -97,7 +98,7 @@ def test_the_criteria_count_effective_slopes():
 
 def test_held_out_is_the_likelihood_of_slopes_the_fit_has_not_seen():
     slopes = CASES[0].slopes(3000, 4)
-    (result,) = mf.fit(slopes, "beckmann")
+    (result,) = mf.fit(slopes, "beckmann", symmetry="anisotropic")
     centred, total = slopes - result.mean_slope, 0.0
     folds = np.arange(3000) % blocks.GROUPS % blocks.FOLDS
     for fold in range(blocks.FOLDS):
@@ -118,12 +119,13 @@ def test_identifies_families_that_differ(family, shape):
     name = fit_cases.FAMILIES[family].parameters[1].name
     case = fit_cases.Case(family, (*fit_cases.STRETCH.items(), (name, shape)))
     for repetition in range(20):
-        assert mf.fit(case.slopes(20_000, repetition), ["student_t", "bessel_k"])[0].family == family
+        slopes, rivals = case.slopes(20_000, repetition), ["student_t", "bessel_k"]
+        assert mf.fit(slopes, rivals, symmetry="anisotropic")[0].family == family
 
 
 def test_families_that_describe_the_slopes_equally_are_tied_and_the_simpler_one_is_first():
     case = fit_cases.Case("ggx", tuple(fit_cases.STRETCH.items()))
-    first, second = mf.fit(case.slopes(20_000, 1), ["student_t", "ggx"])
+    first, second, *_ = mf.fit(case.slopes(20_000, 1), ["student_t", "ggx"])
     assert (first.family, second.family) == ("ggx", "student_t")
     assert first.tied
     assert second.tied
@@ -137,7 +139,7 @@ def test_a_shape_at_the_end_of_its_range_has_no_error(name):
     rng = np.random.default_rng(4)
     radius, azimuth = np.sqrt(rng.random(4000)), 2 * np.pi * rng.random(4000)
     slopes = 0.3 * radius[:, np.newaxis] * np.column_stack((np.cos(azimuth), np.sin(azimuth)))
-    (result,) = mf.fit(slopes, name)
+    (result,) = mf.fit(slopes, name, symmetry="anisotropic")
     shape = fit_cases.FAMILIES[name].parameters[1].name
     assert any(f"{shape} is at the upper end" in note for note in result.notes)
     assert math.isnan(result.standard_errors[shape])
@@ -146,7 +148,9 @@ def test_a_shape_at_the_end_of_its_range_has_no_error(name):
 
 def test_goodness_tells_the_right_family_from_a_wrong_one():
     case = fit_cases.Case("student_t", (*fit_cases.STRETCH.items(), ("gamma", 2.5)))
-    right, wrong = (mf.fit(case.slopes(20_000, 3), name)[0].goodness for name in ("student_t", "beckmann"))
+    slopes = case.slopes(20_000, 3)
+    fits = [mf.fit(slopes, name, symmetry="anisotropic")[0] for name in ("student_t", "beckmann")]
+    right, wrong = (fit.goodness for fit in fits)
     assert right.anderson_darling < 2.5 < 100 < wrong.anderson_darling
     assert max(right.sectors) < 4
     assert len(right.sectors) == 8
@@ -159,7 +163,7 @@ def test_anderson_darling_agrees_with_scipy():
     """For normal slopes, r^2 is exponential; SciPy's statistic with the same scale fitted."""
     slopes = np.random.default_rng(7).normal(size=(2000, 2))
     symmetric = np.concatenate((slopes, -slopes))
-    (result,) = mf.fit(symmetric, "beckmann")
+    (result,) = mf.fit(symmetric, "beckmann", symmetry="anisotropic")
     a = np.linalg.cholesky(np.linalg.inv(2 * symmetric.T @ symmetric / len(symmetric)))
     squares = np.sort(np.sum((symmetric @ a) ** 2, axis=1))
     cdf = -np.expm1(-squares)

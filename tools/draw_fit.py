@@ -43,8 +43,9 @@ def main(file: str) -> None:
     """Write the picture."""
     surface = mf.read_surface(file).level()
     titles = {family.name: family.title for family in mf.families()}
-    results = mf.fit(surface)
-    scales = mf.fit_scales(surface, families=["student_t", "bessel_k", "ggx", "beckmann"])
+    results = mf.fit(surface, symmetry="anisotropic")
+    shown = ["student_t", "bessel_k", "ggx", "beckmann"]
+    scales = mf.fit_scales(surface, families=shown, symmetry="anisotropic")
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 3.9), layout="constrained")
     _relief(left, surface)
     azimuth = results[0].params["rotation"] + math.pi / 2
@@ -55,7 +56,7 @@ def main(file: str) -> None:
     middle.legend(fontsize=8, loc="lower center", ncols=2)
     for family in [result.family for result in scales.results[0]]:
         fits = [next(fit for fit in at if fit.family == family) for at in scales.results]
-        alphas = [math.sqrt(fit.params["alpha_x"] * fit.params["alpha_y"]) for fit in fits]
+        alphas = [math.sqrt(math.prod(fit.roughness)) for fit in fits]
         style = {"color": plot.COLORS[family], "linestyle": plot.DASHES[family], "label": titles[family]}
         right.plot(1e6 * np.asarray(scales.lengths), alphas, marker="o", markersize=4, **style)
     right.set(xscale="log", yscale="log", xlabel="lag in µm", title="sqrt(alpha_x alpha_y) against the lag")

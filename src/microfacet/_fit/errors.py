@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._fit import blocks
-from microfacet._fit.model import Model, State
+from microfacet._fit.model import ANISOTROPIC, Model, State
 from microfacet._fit.newton import Maximum
 
-__all__ = ["Uncertainty", "azimuth_of_x", "parameters", "uncertainty"]
+__all__ = ["Uncertainty", "azimuth_of_x", "jacobian", "parameters", "uncertainty"]
 
 Vector = NDArray[np.float64]
 
@@ -29,8 +29,8 @@ def parameters(model: Model, state: State) -> dict[str, float]:
     """The parameters of the frozen distribution."""
     names = [parameter.name for parameter in model.family.parameters[1:]]
     shape = dict(zip(names, model.shape(state), strict=True))
-    if not model.stretched:
-        return {"alpha": math.exp(state.log_alpha)} | shape
+    if model.symmetry != ANISOTROPIC:
+        return {"alpha": _alpha(model, state)} | shape
     squares, axes = _axes(model, state)
     rotation = math.atan(axes[1, 0] / axes[0, 0])
     alpha_x, alpha_y = (float(value) for value in np.sqrt(squares))
@@ -38,43 +38,50 @@ def parameters(model: Model, state: State) -> dict[str, float]:
 
 
 def uncertainty(model: Model, found: Maximum) -> Uncertainty:
-    """H^-1 J H^-1 in tangent coordinates, taken to the parameters (P. J. Huber, The behavior of maximum
-    likelihood estimates under nonstandard conditions, 1967; J by `blocks.scatter` where the slopes depend on
-    each other).
+    """H^-1 J H^-1 taken to the parameters, with the observed information H and the covariance J of the score:
+    of its total over the map where the slopes depend on each other (`blocks.variances`). P. J. Huber, The
+    behavior of maximum likelihood estimates under nonstandard conditions, 1967.
     """
     names = list(parameters(model, found.state))
     free = found.free
     inner = np.ix_(free, free)
     information = -found.sums.hessian.sum(axis=0)[inner]
-    alone = found.sums.squares[inner]
     try:
         inverse = np.linalg.inv(information)
     except np.linalg.LinAlgError:
         return Uncertainty(
             dict.fromkeys(names, math.nan), 1.0, ("the likelihood is flat: no standard errors",)
         )
-    together, share, notes = alone, 1.0, tuple[str, ...]()
-    if model.slopes.on_map:
-        sums = found.sums.gradient[:, free]
-        together = blocks.scatter(sums, True)
-        share = float(np.trace(inverse @ alone) / max(np.trace(inverse @ together), 1e-300))
-        # Fewer slopes than there are cells, or luck: dependence of neighbours never adds information.
-        share, together = (1.0, alone) if share > 1 else (share, together)
-        if blocks.neighbouring_tiles(sums) > 0.5:
-            notes = ("slopes depend on each other over more than a tenth of the map: errors are too small",)
-    covariance = np.zeros((model.size, model.size))
-    covariance[inner] = inverse @ together @ inverse
-    jacobian = _jacobian(model, found.state)
+    ways = jacobian(model, found.state)
+    alone = np.zeros((model.size, model.size))
+    alone[inner] = inverse @ found.sums.squares[inner] @ inverse
     with np.errstate(invalid="ignore"):
-        errors = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, covariance, jacobian))
-    first = model.size - len(model.searches)
+        errors = np.sqrt(np.einsum("ij,jk,ik->i", ways, alone, ways))
+    share = 1.0
+    if model.slopes.on_map:
+        score = found.sums.gradient[:, free]
+        influence = blocks.variances(score @ (ways[:, free] @ inverse).T, True, model.slopes.shape)
+        # Dependence of neighbours never adds information: less than without it is luck, or there are fewer
+        # slopes than cells.
+        errors = np.maximum(errors, [one.error for one in influence])
+        values, axes = np.linalg.eigh(inverse)
+        together = blocks.variances(score @ axes, True, model.slopes.shape)
+        total = sum(value * one.variance for value, one in zip(values, together, strict=True))
+        share = min(float(np.trace(inverse @ found.sums.squares[inner]) / max(total, 1e-300)), 1.0)
+    first = model.first_shape
     errors[first:][~free[first:]] = math.nan
-    return Uncertainty(dict(zip(names, map(float, errors), strict=True)), share, notes)
+    return Uncertainty(dict(zip(names, map(float, errors), strict=True)), share, ())
+
+
+def _alpha(model: Model, state: State) -> float:
+    """The one roughness of an isotropic density, of which slopes are stretched or alpha is free."""
+    stretch = math.sqrt(abs(np.linalg.det(model.slopes.stretch @ np.linalg.inv(state.inverse))))
+    return stretch if model.stretched else math.exp(state.log_alpha)
 
 
 def azimuth_of_x(model: Model, state: State) -> float:
     """Twice the azimuth, in standard space, of slopes along the axis of alpha_x."""
-    if not model.stretched:
+    if model.symmetry != ANISOTROPIC:
         return 0.0
     x, y = state.inverse @ np.linalg.solve(model.slopes.stretch, _axes(model, state)[1][:, 0])
     return 2 * math.atan2(y, x)
@@ -89,16 +96,16 @@ def _axes(model: Model, state: State) -> tuple[Vector, Vector]:
     return squares[order], axes[:, order]
 
 
-def _jacobian(model: Model, state: State) -> Vector:
+def jacobian(model: Model, state: State) -> Vector:
     """Derivatives of the parameters by the tangent coordinates; of eigenvalues and axes by perturbation
     theory.
     """
     result = np.zeros((model.size, model.size))
-    first = model.size - len(model.searches)
-    for number, (search, variable) in enumerate(zip(model.searches, state.shapes, strict=True), first):
+    shapes = zip(model.searches, state.shapes, strict=True)
+    for number, (search, variable) in enumerate(shapes, model.first_shape):
         result[number, number] = search.slope(variable)
-    if not model.stretched:
-        result[0, 0] = math.exp(state.log_alpha)
+    if model.symmetry != ANISOTROPIC:
+        result[0, 0] = _alpha(model, state)
         return result
     squares, axes = _axes(model, state)
     a = model.slopes.stretch @ np.linalg.inv(state.inverse)

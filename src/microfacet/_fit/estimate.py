@@ -8,20 +8,32 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from microfacet._family import Family
 from microfacet._family import families as all_families
-from microfacet._fit import blocks
+from microfacet._fit.along import cautions_along
+from microfacet._fit.balance import balance, balance_along
+from microfacet._fit.cautions import cautions
 from microfacet._fit.errors import Uncertainty, azimuth_of_x, parameters, uncertainty
 from microfacet._fit.goodness import goodness
-from microfacet._fit.model import Model, State
-from microfacet._fit.newton import fold_state, maximise
+from microfacet._fit.halves import halves
+from microfacet._fit.line import prepare_line
+from microfacet._fit.misfit import Misfit, misfit
+from microfacet._fit.model import ANISOTROPIC, ISOTROPIC, PROFILE, Model, symmetries
+from microfacet._fit.nested import containment
+from microfacet._fit.newton import Maximum, maximise
 from microfacet._fit.result import FitResult
-from microfacet._fit.search import searches
+from microfacet._fit.results import FitResults
+from microfacet._fit.search import edge_notes
 from microfacet._fit.slopes import MAX_SLOPES, Slopes, prepare
+from microfacet._fit.source import source_of
+from microfacet._fit.ties import Validation, are_tied, difference_error, validation
+from microfacet._fit.verdict import verdict
+from microfacet._profile import Profile
 from microfacet._radial import RadialNDF
-from microfacet._surface import Surface
+from microfacet._surface import SlopeSample, Surface
+from microfacet._surface.checks import checked_lag
 from microfacet._user_family import family_of
 
 __all__ = ["Candidates", "Progress", "chosen_families", "fit"]
@@ -33,15 +45,19 @@ Progress = Callable[[str, int, int], None]
 
 
 def fit(
-    slopes_or_surface: ArrayLike | Surface,
+    slopes_or_surface: ArrayLike | Surface | SlopeSample | Profile,
     families: Candidates = None,
     lag: int | None = None,
     max_slopes: int | None = MAX_SLOPES,
     progress: Progress | None = None,
-) -> list[FitResult]:
+    *,
+    symmetry: str | None = None,
+    max_slope: float | None = None,
+) -> FitResults:
     r"""Fit families of slope densities by maximum likelihood, best first.
 
-    For each family the roughness, its axes and the shape parameter maximise
+    Each family is fitted twice, with one roughness and with two along axes of their own, unless it is
+    isotropic by nature, as gtr is. Roughness, axes and the shape parameter maximise
 
     .. math:: \sum_i \log P_{22}(p_i - \bar p, q_i - \bar q)
 
@@ -54,34 +70,46 @@ def fit(
 
     Parameters
     ----------
-    slopes_or_surface : array_like, shape (N, 2), or Surface
-        Slopes ``(p, q)`` along x and y (dimensionless, N >= 20, in [-1e6, 1e6]), or a surface to take them
-        from. Slopes are taken for independent of each other; those of a surface are not.
+    slopes_or_surface : array_like, shape (N, 2), or Surface or Profile
+        Slopes ``(p, q)`` along x and y (dimensionless, N >= 20, in [-1e6, 1e6]), or a surface or a profile to
+        take them from. Slopes are taken for independent of each other; those of a surface, a normal map or a
+        profile are not. Of a profile the slopes along its line are fitted by the families' densities of the
+        slope along one axis: it says alpha along the line, for a surface that is isotropic.
     families : str, UserFamily, RadialNDF or iterable of them, optional
         Names of families; families of your own, whose parameters are fitted; densities of your own, of which
         the roughness is. All families of the library by default.
     lag : int, optional
-        Lag in pixels at which slopes of a surface are taken; the surface's own `lag` by default. alpha and
-        shape depend on it.
+        Lag in pixels at which slopes of a surface or a normal map are taken; its own `lag` by default. alpha
+        and shape depend on it.
     max_slopes : int or None
         Of more slopes than this, so many are drawn at random, with a fixed seed (the result says so in
         `notes`). None uses all.
     progress : callable, optional
         Called with (what begins, steps done, steps in all).
+    symmetry : {"isotropic", "anisotropic"}, optional
+        Fit this symmetry alone; both by default. Where all families are fitted, the anisotropic ones are
+        without those that are isotropic by nature.
+    max_slope : float, optional
+        The steepest slope that the instrument measures, of a numerical aperture NA about tan(arcsin(NA)):
+        `warnings` tell of slopes beyond it.
 
     Returns
     -------
-    list of FitResult
-        Best first: by `held_out`, the log-likelihood of slopes that were left out of the fit. Families within
-        two standard errors of the largest are tied, stand first, and are ordered by the Bayesian information
-        criterion: of two that describe the slopes equally well, the one with fewer parameters is the better
-        description.
+    FitResults
+        A list of `FitResult` with a `verdict`, which says whether any family describes the slopes, and
+        `warnings`.
+        One for each family and symmetry, best first: by `held_out`, the log-likelihood of slopes that were
+        left out of the fit. Those within two standard errors of the largest are tied, stand first, and are
+        ordered by the Bayesian information criterion: of two that describe the slopes equally well, the one
+        with fewer parameters is the better description. Where a few slopes make that error, they count for
+        no more than others do (see `FitResult.tied`).
 
     Raises
     ------
     ValueError
         If the slopes are not finite numbers of shape (N, 2), are too few, constant, or on one line; if a name
-        is unknown; if `lag` is given for slopes.
+        is unknown; if `lag` is given for slopes; if `symmetry` is none of the two, or a family that is named
+        cannot have it.
 
     References
     ----------
@@ -97,27 +125,39 @@ def fit(
     >>> radius, azimuth = mf.ggx.sample_slope(rng.random(5000), 1.0), 2 * np.pi * rng.random(5000)
     >>> slopes = np.column_stack((0.1 * radius * np.cos(azimuth), 0.4 * radius * np.sin(azimuth)))
     >>> best = mf.fit(slopes)[0]
-    >>> best.family, round(best.params["alpha_x"], 1), round(best.params["alpha_y"], 1)
-    ('ggx', 0.1, 0.4)
+    >>> best.family, best.symmetry, round(best.params["alpha_x"], 1), round(best.params["alpha_y"], 1)
+    ('ggx', 'anisotropic', 0.1, 0.4)
     >>> abs(best.params["alpha_x"] - 0.1) < 3 * best.standard_errors["alpha_x"] < 0.01
     True
     """
-    chosen, progress = chosen_families(families), progress or (lambda *_: None)
+    profile = slopes_or_surface if isinstance(slopes_or_surface, Profile) else None
+    wanted, progress = _wanted(families, symmetry, profile is not None), progress or (lambda *_: None)
     if max_slopes is not None and not max_slopes >= 20:
         raise ValueError(f"max_slopes must lie in [20, inf) or be None, got {max_slopes}")
-    if isinstance(slopes_or_surface, Surface):
-        surface = slopes_or_surface
-        lag = surface.lag if lag is None else lag
-        slopes = prepare(surface.slopes(lag), max_slopes, blocks.cells_of_map(surface.mask, lag))
-    elif lag is not None:
-        raise ValueError(f"lag applies to a Surface, not to slopes, got {lag}")
+    if max_slope is not None and not max_slope > 0:
+        raise ValueError(f"max_slope must be positive, got {max_slope}")
+    if profile is not None:
+        lag = profile.lag if lag is None else checked_lag(lag)
+        line = prepare_line(profile, lag, max_slopes)
+        slopes = line.slopes
     else:
-        slopes = prepare(slopes_or_surface, max_slopes)
+        source, raw, cells, lag, notes = source_of(slopes_or_surface, lag, max_slopes)
+        slopes = prepare(raw, max_slopes, cells, notes)
     found = []
-    for done, family in enumerate(chosen):
-        progress(family.title, done, len(chosen))
-        found.append(_fit_family(family, slopes))
-    return _ranked(found, slopes, lag)
+    for done, (family, own) in enumerate(wanted):
+        progress(f"{family.title}, {own}", done, len(wanted))
+        found.append(_fit_family(family, slopes, own))
+    ranked = _ranked(found, slopes, lag)
+    results = [result for result, _ in ranked]
+    first = ranked[0][1]
+    if profile is not None:
+        warnings = cautions_along(profile, line, (first.model, first.maximum), max_slope)
+        sides = balance_along(slopes, line.raw, line.cells, slopes.shape)
+        return FitResults(results, verdict(results, sides), warnings, None)
+    regions = halves(first.model, first.maximum)
+    raw = np.asarray(raw, dtype=np.float64)
+    warnings = cautions(source, raw, lag, (first.model, first.maximum.state), regions, max_slope)
+    return FitResults(results, verdict(results, balance(slopes, raw, cells)), warnings, regions)
 
 
 def chosen_families(names: Candidates) -> list[Family]:
@@ -141,60 +181,88 @@ def chosen_families(names: Candidates) -> list[Family]:
     return list(found.values())
 
 
+def _wanted(families: Candidates, symmetry: str | None, along_line: bool) -> list[tuple[Family, str]]:
+    """What is fitted: each family with the symmetries that it can have and that are asked for."""
+    if along_line:
+        if symmetry is not None:
+            raise ValueError(
+                f"symmetry: a profile knows one direction, none is to choose, got {symmetry!r:.60}"
+            )
+        return [(family, PROFILE) for family in chosen_families(families)]
+    if symmetry not in (None, ISOTROPIC, ANISOTROPIC):
+        raise ValueError(f'symmetry must be "{ISOTROPIC}", "{ANISOTROPIC}" or None, got {symmetry!r:.60}')
+    chosen = chosen_families(families)
+    for family in chosen if families is not None else ():
+        if symmetry not in (None, *symmetries(family)):
+            raise ValueError(f"symmetry: {family.name} can only be {ISOTROPIC}, got {symmetry!r}")
+    return [(family, own) for family in chosen for own in symmetries(family) if symmetry in (None, own)]
+
+
 class _Fitted(NamedTuple):
     model: Model
-    state: State
+    maximum: Maximum
     uncertainty: Uncertainty
+    misfit: Misfit
     log_likelihood: float
-    held_out: NDArray[np.float64]  # log-likelihood of each group under the fit without its fold
+    held_out: Validation
     converged: bool
     notes: tuple[str, ...]
 
 
-def _fit_family(family: Family, slopes: Slopes) -> _Fitted:
-    model, found = maximise(family, slopes)
-    held_out = np.zeros(len(slopes.sizes))
-    for fold in range(blocks.FOLDS):
-        held_out += model.value(fold_state(model, found, fold), only=fold)
+def _fit_family(family: Family, slopes: Slopes, symmetry: str) -> _Fitted:
+    model, found = maximise(family, slopes, symmetry)
     known = uncertainty(model, found)
     return _Fitted(
         model,
-        found.state,
+        found,
         known,
+        misfit(model, found, known.independent_share),
         float(np.sum(found.sums.value)),
-        held_out,
+        validation(model, found),
         found.converged,
-        slopes.notes + _edge_notes(family, found.state) + known.notes,
+        slopes.notes + edge_notes(family, found.state.shapes) + known.notes,
     )
 
 
-def _ranked(found: list[_Fitted], slopes: Slopes, lag: int | None) -> list[FitResult]:
-    """One result per family; the effective number of slopes is that under the best family."""
-    best = max(found, key=lambda fitted: float(np.sum(fitted.held_out)))
+def _ranked(found: list[_Fitted], slopes: Slopes, lag: int | None) -> list[tuple[FitResult, _Fitted]]:
+    """One result per family, best first; the effective number of slopes is that under the best family."""
+    best = max(found, key=lambda fitted: float(np.sum(fitted.held_out.groups)))
     share = best.uncertainty.independent_share
     results = [_result(fitted, best, share, slopes, lag) for fitted in found]
     order = sorted(
         results, key=lambda result: (not result.tied, result.bic if result.tied else -result.held_out)
     )
-    first = next(fitted for fitted in found if fitted.model.family.name == order[0].family)
-    errors = {fitted.model.family.name: _difference_error(first, fitted, slopes) for fitted in found}
-    return [replace(result, held_out_error=errors[result.family]) for result in order]
+    by_name = {(fitted.model.family.name, fitted.model.symmetry): fitted for fitted in found}
+    first, *_ = ranked = [by_name[result.family, result.symmetry] for result in order]
+    errors = [difference_error(first.held_out, fitted.held_out, share) for fitted in ranked]
+    best_of_all = order[0]
+    return [
+        (
+            replace(one, held_out_error=error, notes=one.notes + _contains(one, fitted, best_of_all, first)),
+            fitted,
+        )
+        for one, error, fitted in zip(order, errors, ranked, strict=True)
+    ]
+
+
+def _contains(one: FitResult, fitted: _Fitted, best: FitResult, first: _Fitted) -> tuple[str, ...]:
+    return containment(one, fitted.model.family, best, first.model.family) if one.tied else ()
 
 
 def _result(fitted: _Fitted, best: _Fitted, share: float, slopes: Slopes, lag: int | None) -> FitResult:
-    model, state, n = fitted.model, fitted.state, slopes.n
+    model, state, n = fitted.model, fitted.maximum.state, slopes.n
     params = parameters(model, state)
     effective, per_slope = max(share * n, 1.0), fitted.log_likelihood / n
-    behind = float(np.sum(best.held_out - fitted.held_out)) / n
     return FitResult(
         family=model.family.name,
+        symmetry=model.symmetry,
         params=params,
         standard_errors=fitted.uncertainty.errors,
         log_likelihood=fitted.log_likelihood,
         log_likelihood_per_sample=per_slope,
-        held_out=float(np.sum(fitted.held_out)) / n,
+        held_out=float(np.sum(fitted.held_out.groups)) / n,
         held_out_error=0.0,
-        tied=behind <= 2 * _difference_error(best, fitted, slopes),
+        tied=are_tied(best.held_out, fitted.held_out, share),
         n=n,
         n_effective=effective,
         aic=2 * len(params) - 2 * effective * per_slope,
@@ -204,23 +272,6 @@ def _result(fitted: _Fitted, best: _Fitted, share: float, slopes: Slopes, lag: i
         mean_slope_errors=slopes.mean_errors,
         lag=lag,
         converged=fitted.converged,
-        goodness=goodness(model, state, azimuth_of_x(model, state), share),
+        goodness=goodness(model, state, azimuth_of_x(model, state), share, fitted.misfit),
         notes=fitted.notes,
     )
-
-
-def _difference_error(best: _Fitted, other: _Fitted, slopes: Slopes) -> float:
-    """Standard error of the difference of their `held_out`, from how the groups differ."""
-    difference = best.held_out - other.held_out
-    rest = difference - difference.sum() / slopes.n * slopes.sizes
-    return math.sqrt(float(blocks.scatter(rest, slopes.on_map)[0, 0])) / slopes.n
-
-
-def _edge_notes(family: Family, state: State) -> tuple[str, ...]:
-    notes = []
-    for search, variable in zip(searches(family), state.shapes, strict=True):
-        low, high = search.ends
-        if not low < variable < high:
-            end = "lower" if variable <= low else "upper"
-            notes.append(f"{search.parameter.name} is at the {end} end of the range that is searched")
-    return tuple(notes)

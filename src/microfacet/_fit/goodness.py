@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from microfacet._fit.misfit import Misfit
 from microfacet._fit.model import Model, State
 from microfacet._fit.result import Goodness
 
@@ -21,18 +22,17 @@ _SECTORS = 8
 Vector = NDArray[np.float64]
 
 
-def goodness(model: Model, state: State, axis: float, independent_share: float) -> Goodness:
+def goodness(model: Model, state: State, axis: float, independent_share: float, test: Misfit) -> Goodness:
     """Quantiles and A^2, scaled to the number of independent slopes; `axis` is twice the azimuth of alpha_x's
     axis in standard space.
     """
     radius, cosine, sine = model.radius(state)
     shape, alpha = model.shape(state), math.exp(state.log_alpha)
-    kernels = model.family.kernels
-    beyond = np.asarray(kernels.survival(radius, alpha, *shape))
+    beyond = model.law.beyond(radius, alpha, *shape)
     n = radius.size
     probabilities = tuple(p for p in _PROBABILITIES if 1 / n < p < 1 - 1 / n)
     observed = np.quantile(radius, probabilities)
-    expected = [float(kernels.sample_slope(p, alpha, *shape)) for p in probabilities]
+    expected = [model.law.quantile(p, alpha, *shape) for p in probabilities]
     if model.stretched:
         turned = np.arctan2(sine, cosine) - axis
         sector = np.floor(turned * (_SECTORS / (2 * math.pi))).astype(np.int8) % _SECTORS
@@ -45,6 +45,8 @@ def goodness(model: Model, state: State, axis: float, independent_share: float) 
         expected=tuple(expected),
         anderson_darling=independent_share * _anderson_darling(beyond),
         sectors=tuple(independent_share * value for value in sectors),
+        p_value=test.p_value,
+        deviation=test.deviation,
     )
 
 

@@ -8,7 +8,6 @@ coordinates), so that one formula holds everywhere and no parametrisation has a 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -18,13 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microfacet._family import Family
+from microfacet._fit.density import log_alpha_of_median, log_density
+from microfacet._fit.law import Law
 from microfacet._fit.search import searches
 from microfacet._fit.slopes import Chunk, Slopes
+from microfacet._threads import threads
 
-__all__ = ["Model", "Sums", "make_state"]
+__all__ = ["ANISOTROPIC", "ISOTROPIC", "PROFILE", "Model", "State", "Sums", "make_state", "symmetries"]
+
+#: What is fitted of a family: one roughness, one along each of two axes, or that along the line of a profile.
+ISOTROPIC, ANISOTROPIC, PROFILE = "isotropic", "anisotropic", "profile"
 
 Vector = NDArray[np.float64]
-_SMALLEST = 1e-280  # below, the density is about to underflow
 # Step of central differences in logarithmic variables: truncation of the first about 1e-7, and 1e-7 of
 # rounding of the kernels in the second.
 _STEP = 3e-4
@@ -56,18 +60,25 @@ class Sums(NamedTuple):
     squares: Vector
 
 
+def symmetries(family: Family) -> tuple[str, ...]:
+    """Those that a family can have, the one with fewer parameters first."""
+    return (ISOTROPIC, ANISOTROPIC) if family.anisotropic else (ISOTROPIC,)
+
+
 class Model:
-    """One family and one sample of slopes.
+    """One family of one symmetry and one sample of slopes.
 
     Tangent coordinates of a family that is stretched: (s, d, e) change standard slopes z to exp(-M) z with
-    the symmetric matrix M = ((s + d, e), (e, s - d)); of the others: log alpha. Then the variables of the
-    shape parameters (`Search`).
+    the symmetric matrix M = ((s + d, e), (e, s - d)), and s alone where the symmetry is isotropic; of the
+    others: log alpha. Then the variables of the shape parameters (`Search`).
     """
 
-    def __init__(self, family: Family, slopes: Slopes) -> None:
-        self.family, self.slopes = family, slopes
-        self.stretched, self.searches = family.anisotropic, searches(family)
-        self.size = (3 if self.stretched else 1) + len(family.parameters) - 1
+    def __init__(self, family: Family, slopes: Slopes, symmetry: str) -> None:
+        self.family, self.slopes, self.symmetry = family, slopes, symmetry
+        self.law, self.searches = Law(family.kernels, symmetry == PROFILE), searches(family)
+        self.stretched = family.anisotropic and symmetry != PROFILE
+        self.first_shape = 3 if symmetry == ANISOTROPIC else 1  # coordinate of the first shape parameter
+        self.size = self.first_shape + len(family.parameters) - 1
         self._log_stretch = math.log(abs(np.linalg.det(slopes.stretch))) if self.stretched else 0.0
 
     def shape(self, state: State, change: Sequence[float] = ()) -> tuple[float, ...]:
@@ -91,39 +102,51 @@ class Model:
                 for search, variable, by in zip(self.searches, shapes, step[-count:], strict=True)
             )
             change = [after - before for after, before in zip(new, shapes, strict=True)]
+            bend = self._median(state, [0.0] * count) - self._median(state, change)
             for own, by in zip(_STEP * np.eye(count), change, strict=True):
                 there, back = self._median(state, own.tolist()), self._median(state, (-own).tolist())
-                scale += (there - back) / (2 * _STEP) * by
-            scale -= self._median(state, change) - self._median(state, [0.0] * count)
+                bend += (there - back) / (2 * _STEP) * by
+            # Where no alpha gives that median there is no such valley.
+            scale += bend if self.family.anisotropic or abs(bend) < 1 else 0.0
             shapes = new
         if not self.stretched:
             return State(log_alpha + scale, inverse, shapes)
-        d, e = float(step[1]), float(step[2])
+        d, e = (float(step[1]), float(step[2])) if self.first_shape == 3 else (0.0, 0.0)
         m = math.hypot(d, e)
         odd = math.sinh(m) / m if m > 0 else 1.0
         remaining = np.array([[math.cosh(m) - odd * d, -odd * e], [-odd * e, math.cosh(m) + odd * d]])
         return State(log_alpha, math.exp(-scale) * remaining @ inverse, shapes)
 
     def _median(self, state: State, change: Sequence[float]) -> float:
-        """log median slope at a changed shape; flat where the family has no closed way to it."""
-        if not self.stretched:
-            return 0.0
-        return math.log(float(self.family.kernels.sample_slope(0.5, 1.0, *self.shape(state, change))))
+        """log median slope at a changed shape, for alpha 1; where alpha is no stretch, minus the log alpha
+        that leaves the median where it is.
+        """
+        law, shape = Law(self.family.kernels, False), self.shape(state, change)
+        if self.family.anisotropic:
+            return math.log(law.quantile(0.5, 1.0, *shape))
+        median = law.quantile(0.5, math.exp(state.log_alpha), *self.shape(state))
+        return -log_alpha_of_median(law, shape, median)
 
     def value(self, state: State, only: int | None = None) -> Vector:
         """The log-likelihood of each group, of one fold or of all."""
-        shape, offset = self.shape(state), self._offset(state)
-        kernels, alpha = self.family.kernels, math.exp(state.log_alpha)
-
-        def work(chunk: Chunk) -> Vector:
-            radius = self._radius(state, chunk.where)[0]
-            terms = log_density(lambda r: kernels.P22(r, 0.0, alpha, *shape), radius) + offset
-            return np.add.reduceat(terms, chunk.starts)
-
         total = np.zeros(len(self.slopes.sizes))
-        for chunk, sums in self._each(work, only=only):
+        for chunk, sums in self._each(
+            lambda chunk: np.add.reduceat(self._terms(state, chunk.where), chunk.starts), only=only
+        ):
             total[chunk.groups] += sums
         return total
+
+    def each(self, states: Sequence[State]) -> Vector:
+        """The log-likelihood of each slope, under the state of its fold."""
+        found = np.empty(self.slopes.n)
+        for chunk, terms in self._each(lambda chunk: self._terms(states[chunk.fold], chunk.where)):
+            found[chunk.where] = terms
+        return found
+
+    def _terms(self, state: State, where: slice) -> Vector:
+        shape, alpha = self.shape(state), math.exp(state.log_alpha)
+        radius = self._radius(state, where)[0]
+        return log_density(lambda r: self.law.density(r, alpha, *shape), radius) + self._offset(state)
 
     def sums(self, state: State, without: int | None = None) -> Sums:
         """Log-likelihood and derivatives by the tangent coordinates at a state, without one fold if so
@@ -155,7 +178,7 @@ class Model:
         wanted = [c for c in self.slopes.chunks if c.fold != without and (only is None or c.fold == only)]
         if self.slopes.n < _MANY:
             return [(chunk, work(chunk)) for chunk in wanted]
-        with ThreadPoolExecutor(min(os.cpu_count() or 1, 16)) as pool:
+        with ThreadPoolExecutor(min(threads(), 16)) as pool:
             return list(zip(wanted, pool.map(work, wanted), strict=True))
 
     def radius(self, state: State) -> tuple[Vector, Vector, Vector]:
@@ -192,16 +215,16 @@ class Model:
         stretched, and exp(-M) changes log r by -s - d cos 2 phi - e sin 2 phi + (d sin 2 phi - e cos 2 phi)^2
         to second order.
         """
-        kernels, h = self.family.kernels, _STEP
+        law, h = self.law, _STEP
         # The power of a density that is no stretch multiplies what a change of alpha does.
-        g = h if self.stretched else h / (1 + sum(self.shape(state)))
+        g = h if self.family.anisotropic else h / (1 + sum(self.shape(state)))
 
         count = len(self.searches)
         units = (h * np.eye(count)).tolist()
 
         def at(u: float, change: Sequence[float] = ()) -> Vector:
             shape, alpha = self.shape(state, change), math.exp(state.log_alpha + u)
-            return log_density(lambda r: kernels.P22(r, 0.0, alpha, *shape), radius)
+            return log_density(lambda r: law.density(r, alpha, *shape), radius)
 
         def mixed(both: Vector, first: tuple[Vector, Vector], second: tuple[Vector, Vector]) -> Vector:
             return both - sum(first) - sum(second) + 2 * middle
@@ -223,7 +246,7 @@ class Model:
                 both = [a + b for a, b in zip(units[i], units[j], strict=True)]
                 pair = at(0.0, both) + at(0.0, [-x for x in both])
                 among.append(mixed(pair, ways[i], ways[j]) / (2 * h * h))
-        if not self.stretched:
+        if self.symmetry != ANISOTROPIC:
             return terms, [du, *dk], [duu, *with_alpha, *among]
         steepness = du + 2  # minus the derivative by log r
         first = [du, steepness * cosine, steepness * sine, *dk]
@@ -238,48 +261,14 @@ class Model:
 
 
 def make_state(model: Model, variables: tuple[float, ...]) -> State:
-    """The state that gives the slopes their median, and whitened slopes no direction, for a given shape."""
-    family, state = model.family, State(0.0, np.eye(2), variables)
-    own = model.shape(state)
-    if model.stretched:
-        median = float(family.kernels.sample_slope(0.5, 1.0, *own))
-        return State(0.0, median * np.eye(2), variables)
-    return State(_log_alpha(family, own, float(np.median(model.slopes.radius))), np.eye(2), variables)
-
-
-def _log_alpha(family: Family, shape: tuple[float, ...], median: float) -> float:
-    """alpha from the median slope, which grows with it, by bisection; an end of the range if there is
-    none.
+    """The state that gives the slopes their median for a given shape, and no direction to whitened slopes or,
+    where the symmetry is isotropic, those of the slopes as they are.
     """
-    low, high = math.log(median) - 20.0, math.log(median) + 20.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        below = float(family.kernels.sample_slope(0.5, math.exp(middle), *shape)) < median
-        low, high = (middle, high) if below else (low, middle)
-    return (low + high) / 2
-
-
-def log_density(density: Callable[[Vector], Vector], radius: Vector) -> Vector:
-    """log density(radius), also where the density underflows (outliers under a family with light tails).
-
-    There, the logarithm is continued by the parabola through three points short of the underflow. That is
-    exact for Beckmann (-r^2) and close for exponential tails; power laws do not fall so far.
-    """
-    values = density(radius)
-    if values.min() > _SMALLEST:
-        return np.log(values)
-    low, high = math.log(radius.min()), math.log(radius.max())
-    for _ in range(60):
-        middle = (low + high) / 2
-        fine = density(np.array([math.exp(middle)]))[0] > _SMALLEST
-        low, high = (middle, high) if fine else (low, middle)
-    edge = math.exp(low)
-    nodes = density(edge * np.array([0.5, 0.75, 1.0]))
-    if not nodes.min() > 0:  # nothing of the sample lies where this density does
-        return np.full_like(radius, -1e9)
-    y0, y1, y2 = np.log(nodes)
-    curvature = min(y2 - 2 * y1 + y0, 0.0)
-    steps = (radius - edge) / (edge / 4)
-    continued = y2 + steps * (y2 - y1) + curvature * steps * (steps + 1) / 2
-    with np.errstate(divide="ignore"):
-        return np.where(radius <= edge, np.log(values), continued)
+    slopes, own = model.slopes, model.shape(State(0.0, np.eye(2), variables))
+    if not model.stretched:
+        log_alpha = log_alpha_of_median(model.law, own, float(np.median(slopes.radius)))
+        return State(log_alpha, np.eye(2), variables)
+    median = model.law.quantile(0.5, 1.0, *own)
+    if model.symmetry == ISOTROPIC:
+        return State(0.0, median / float(np.median(slopes.radius)) * slopes.stretch, variables)
+    return State(0.0, median * np.eye(2), variables)

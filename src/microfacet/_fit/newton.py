@@ -25,6 +25,7 @@ _STEPS = 60
 # Squared length of the remaining step in standard errors of independent slopes: what is aimed at, and what
 # is good enough where rounding allows no better.
 _TOLERANCE, _GOOD_ENOUGH = 1e-10, 1e-6
+_SHORT = 1e-4  # of the last step in logarithmic units, whose square is nothing
 
 Vector = NDArray[np.float64]
 
@@ -40,9 +41,9 @@ class Maximum(NamedTuple):
     converged: bool
 
 
-def maximise(family: Family, slopes: Slopes) -> tuple[Model, Maximum]:
+def maximise(family: Family, slopes: Slopes, symmetry: str) -> tuple[Model, Maximum]:
     """The maximum, by way of parts of the slopes, on which steps are cheap."""
-    part = Model(family, slopes.part(_FIRST_SEARCH))
+    part = Model(family, slopes.part(_FIRST_SEARCH), symmetry)
     shares = _SHAPE_STARTS if len(part.searches) < 2 else _SHAPE_STARTS[::2]
     places = product(*([search.at(share) for share in shares] for search in part.searches))
     starts = [make_state(part, variables) for variables in _with_own(part, places)]
@@ -50,8 +51,8 @@ def maximise(family: Family, slopes: Slopes) -> tuple[Model, Maximum]:
     found = max((_search(part, start) for start in starts[:2]), key=lambda end: float(end.sums.value[0]))
     state = found.state
     if slopes.n > 4 * _SECOND_SEARCH:
-        state = _search(Model(family, slopes.part(_SECOND_SEARCH)), state).state
-    model = Model(family, slopes)
+        state = _search(Model(family, slopes.part(_SECOND_SEARCH), symmetry), state).state
+    model = Model(family, slopes, symmetry)
     return model, _search(model, state)
 
 
@@ -62,19 +63,15 @@ def _with_own(model: Model, places: Iterable[tuple[float, ...]]) -> list[tuple[f
 
 
 def fold_state(model: Model, found: Maximum, fold: int) -> State:
-    """The maximum without one fold, from that with it: one step of Newton's method, more where it is long."""
+    """The maximum without one fold, from that with it: a search like the first one, which is over after one
+    step where the likelihood is a parabola as far as that.
+    """
     kept = model.slopes.folds != fold
-    gradient, hessian = found.sums.gradient[kept].sum(axis=0), found.sums.hessian[kept].sum(axis=0)
-    state = found.state
-    for _ in range(5):
-        free = _free(model, state, gradient)
-        step = newton_step(gradient, hessian, free)
-        state = model.moved(state, _shortened(step))
-        if float(np.abs(step).max()) < 0.003:  # what is left is its square
-            break
-        sums = model.sums(state, without=fold)
-        gradient, hessian = sums.gradient.sum(axis=0), sums.hessian.sum(axis=0)
-    return state
+    value, gradient, hessian, squares = found.sums
+    sums = Sums(
+        value * kept, gradient * kept[:, np.newaxis], hessian * kept[:, np.newaxis, np.newaxis], squares
+    )
+    return _search(model, found.state, sums, fold, short=0.003).state
 
 
 def newton_step(gradient: Vector, hessian: Vector, free: NDArray[np.bool_]) -> Vector:
@@ -87,22 +84,27 @@ def newton_step(gradient: Vector, hessian: Vector, free: NDArray[np.bool_]) -> V
     return step
 
 
-def _search(model: Model, state: State) -> Maximum:
-    sums = model.sums(state)
-    radius, left = (
-        1.0,
-        math.inf,
-    )  # of the region in which the quadratic model is trusted, in logarithmic units
+def _search(
+    model: Model, state: State, sums: Sums | None = None, without: int | None = None, short: float = _SHORT
+) -> Maximum:
+    """Up the hill from a state, of all slopes or without those of one fold, until what is left is chance.
+
+    A step shorter than `short` is the last one, and the sums are carried along it by their derivatives: what
+    it misses is its square.
+    """
+    sums = model.sums(state, without) if sums is None else sums
+    radius, left = 1.0, math.inf  # of the region where the parabola is trusted, in logarithmic units
     for _ in range(_STEPS):
         gradient, hessian = sums.gradient.sum(axis=0), sums.hessian.sum(axis=0)
-        free = _free(model, state, gradient)
-        step = newton_step(gradient, hessian, free)
+        step, free = _step(model, state, gradient, hessian)
         left = float(gradient @ step)
         if left < _TOLERANCE:
             return Maximum(state, sums, free, True)
+        if float(np.abs(step).max()) < short and _inside(model, state, step):
+            return Maximum(model.moved(state, step), _carried(sums, step), free, True)
         step = _shortened(step, radius)
         trial = model.moved(state, step)
-        new = model.sums(trial)
+        new = model.sums(trial, without)
         gain = float(np.sum(new.value - sums.value))
         if not math.isfinite(gain) or gain < -1e-12 * abs(float(np.sum(sums.value))):
             radius = float(np.abs(step).max()) / 4
@@ -114,11 +116,38 @@ def _search(model: Model, state: State) -> Maximum:
     return Maximum(state, sums, free, left < _GOOD_ENOUGH)
 
 
+def _step(model: Model, state: State, gradient: Vector, hessian: Vector) -> tuple[Vector, NDArray[np.bool_]]:
+    """Newton's step within the ranges of the shapes, and what is free: also a shape at an end that comes off
+    it once the others have moved, as gtr's does, whose alpha grows with the root of gamma.
+    """
+    free = _free(model, state, gradient)
+    step = newton_step(gradient, hessian, free)
+    drawn = free | _free(model, state, gradient + hessian @ step)
+    if np.array_equal(drawn, free):
+        return step, free
+    wider = newton_step(gradient, hessian, drawn)
+    inwards = _free(model, state, wider)[drawn & ~free].all()
+    return (wider, drawn) if inwards else (step, free)
+
+
+def _inside(model: Model, state: State, step: Vector) -> bool:
+    """Whether a step leaves every shape within its range."""
+    shapes = zip(model.searches, state.shapes, step[model.first_shape :].tolist(), strict=True)
+    return all(search.ends[0] < variable + by < search.ends[1] for search, variable, by in shapes if by)
+
+
+def _carried(sums: Sums, step: Vector) -> Sums:
+    """The sums after a short step."""
+    value, gradient, hessian, squares = sums
+    change = hessian @ step
+    return Sums(value + (gradient + change / 2) @ step, gradient + change, hessian, squares)
+
+
 def _free(model: Model, state: State, gradient: Vector) -> NDArray[np.bool_]:
     """Which coordinates may move: a shape not beyond an end of its range."""
     free = np.ones(model.size, dtype=np.bool_)
-    first = model.size - len(model.searches)
-    for number, (search, variable) in enumerate(zip(model.searches, state.shapes, strict=True), first):
+    shapes = zip(model.searches, state.shapes, strict=True)
+    for number, (search, variable) in enumerate(shapes, model.first_shape):
         low, high = search.ends
         at_low, at_high = variable <= low, variable >= high
         free[number] = not ((at_low and gradient[number] < 0) or (at_high and gradient[number] > 0))

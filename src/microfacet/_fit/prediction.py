@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microfacet._fit.result import FitResult
+from microfacet._fit.result import FitResult, one_a_family
 
 __all__ = ["ANGLES", "Prediction", "predict"]
 
@@ -18,7 +18,8 @@ ANGLES = (30.0, 60.0, 75.0, 85.0)
 
 @dataclass(frozen=True)
 class Prediction:
-    """Smith's Lambda and G1 of each family (in the order of the results) for one direction.
+    """Smith's Lambda and G1 of each family (in the order of the results) for one direction. Of a family's two
+    symmetries it is the one that ranks first.
 
     Attributes
     ----------
@@ -62,7 +63,7 @@ def predict(results: Sequence[FitResult], angles: Iterable[float] = ANGLES) -> l
             f"angles must lie in [0, 90) degrees, got {', '.join(f'{angle:g}' for angle in chosen)}"
         )
     first = results[0].params.get("rotation", 0.0)
-    found = []
+    shown, found = one_a_family(results), []
     for azimuth in (first, first + math.pi / 2):
         for angle in chosen:
             theta = math.radians(angle)
@@ -73,8 +74,8 @@ def predict(results: Sequence[FitResult], angles: Iterable[float] = ANGLES) -> l
                 Prediction(
                     angle,
                     math.degrees(azimuth),
-                    {result.family: float(result.ndf.Lambda(w)) for result in results},
-                    {result.family: float(result.ndf.G1(w)) for result in results},
+                    {result.family: float(result.ndf.Lambda(w)) for result in shown},
+                    {result.family: float(result.ndf.G1(w)) for result in shown},
                 )
             )
     return found

@@ -8,7 +8,7 @@ from typing import Any
 
 from microfacet._value import Value
 
-__all__ = ["FitResult", "Goodness", "TableFit", "remarks"]
+__all__ = ["FitResult", "Goodness", "TableFit", "one_a_family", "remarks"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,14 @@ class Goodness(Value):
         The same statistic for eight sectors of azimuth (22.5 degrees wide, opposite ones together, from the
         axis of alpha_x counter-clockwise; in standard space), each for its share of the slopes: where the
         radial density depends on direction, which no family of one radial density can follow.
+    p_value : float
+        The probability, if the family were right, of slopes further from the fit than these: of the counts in
+        rings of standard space and of the azimuths there, by a test that knows that neighbouring slopes
+        depend on each other and that parameters were fitted. Below 0.01 the family does not describe the
+        slopes; with many slopes that happens to families that are good enough, so look at `deviation` too.
+    deviation : float
+        Largest difference between the measured and the fitted share of slopes, below any steepness or within
+        any range of azimuths.
     """
 
     probabilities: tuple[float, ...]
@@ -38,6 +46,8 @@ class Goodness(Value):
     expected: tuple[float, ...]
     anderson_darling: float
     sectors: tuple[float, ...]
+    p_value: float
+    deviation: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +58,17 @@ class FitResult(Value):
     ----------
     family : str
         Name of the family.
+    symmetry : str
+        "isotropic": one roughness in every direction; "anisotropic": one along each of two axes; "profile":
+        one along the line of a profile, fitted by P2.
     params : dict of str to float
-        ``alpha_x``, ``alpha_y``, ``rotation`` (radians, counter-clockwise, in [-pi/4, pi/4]) and ``gamma`` or
-        ``a`` if the family has one; for ``gtr`` ``alpha`` and ``gamma``.
+        ``alpha``, or ``alpha_x``, ``alpha_y`` and ``rotation`` (radians, counter-clockwise, in [-pi/4, pi/4])
+        where the symmetry is anisotropic; then the shape parameter if the family has one. For either symmetry
+        `roughness` is (alpha_x, alpha_y).
     standard_errors : dict of str to float
         Of each parameter: the square roots of the diagonal of H^-1 J H^-1, with the observed information H
-        and the covariance J of the score, from a block bootstrap over the map (slopes without positions:
+        and the covariance J of the score, from the longest waves over the map with Student's factor for their
+        number, so that 1.96 of them make an interval of 95 % (slopes without positions:
         taken for independent). They hold also for a family that is not the true one. nan for a parameter at
         the end of its range.
     log_likelihood : float
@@ -64,23 +79,26 @@ class FitResult(Value):
         Log-likelihood per slope of slopes that the fit has not seen: five-fold cross-validation; on a map,
         whole blocks are left out.
     held_out_error : float
-        Standard error of the difference between the first family's `held_out` and this one's; 0 for the
-        first.
+        Standard error of the difference between the first fit's `held_out` and this one's, from how parts of
+        the sample differ, and at least what the chance of the parameters makes; 0 for the first.
     tied : bool
-        Whether this family's `held_out` is within two such standard errors of the best.
+        Whether this fit's `held_out` is within two such standard errors of the best. Where the difference is
+        larger than the chance of the parameters, it has to be so too once the largest contributions of single
+        slopes, as many as 30 independent ones, are cut to the smallest of them: the tail of a density that is
+        too light makes a difference that a few slopes decide, and its standard error is as large as itself.
     n : int
         Number of slopes that were used.
     n_effective : float
         How many independent slopes would tell as much: n times the trace of the information's inverse with
-        the scores' covariance as if they were independent, over that with the covariance from the block
-        bootstrap. One number for all families, that of the family with the largest `held_out`.
+        the scores' covariance as if they were independent, over that with the covariance from the longest
+        waves over the map. One number for all families, that of the family with the largest `held_out`.
     aic, bic : float
         Akaike's and Schwarz's criterion of `n_effective` independent slopes: ``2 k - 2 n_effective
         log_likelihood_per_sample`` and ``k log(n_effective) - ...``, k = ``len(params)``. The mean slope,
         which all families share, is not counted. For slopes without positions the usual ones.
     ndf : distribution
         The fitted distribution, for example a `StudentT`.
-    mean_slope, mean_slope_errors : (float, float)
+    mean_slope, mean_slope_errors : (float, float), of a profile (float,)
         Mean slope of the sample (estimated by the median), subtracted before the fit, and its standard
         errors.
     lag : int or None
@@ -94,6 +112,7 @@ class FitResult(Value):
     """
 
     family: str
+    symmetry: str
     params: dict[str, float]
     standard_errors: dict[str, float]
     log_likelihood: float
@@ -106,12 +125,19 @@ class FitResult(Value):
     aic: float
     bic: float
     ndf: Any
-    mean_slope: tuple[float, float]
-    mean_slope_errors: tuple[float, float]
+    mean_slope: tuple[float, ...]
+    mean_slope_errors: tuple[float, ...]
     lag: int | None
     converged: bool
     goodness: Goodness
     notes: tuple[str, ...] = ()
+
+    @property
+    def roughness(self) -> tuple[float, float]:
+        """(alpha_x, alpha_y) of either symmetry: twice alpha where it is isotropic."""
+        if "alpha" in self.params:
+            return self.params["alpha"], self.params["alpha"]
+        return self.params["alpha_x"], self.params["alpha_y"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,12 +168,29 @@ class TableFit(Value):
     ndf: Any
 
 
-def remarks(results: Sequence[FitResult]) -> list[str]:
-    """What fits remark, each remark once, with the families it is about unless it is all of them."""
-    about: dict[str, list[str]] = {}
+def one_a_family(results: Sequence[FitResult]) -> list[FitResult]:
+    """Of each family the symmetry that ranks first, in the order of the ranking."""
+    found: dict[str, FitResult] = {}
     for result in results:
+        found.setdefault(result.family, result)
+    return list(found.values())
+
+
+def remarks(results: Sequence[FitResult]) -> list[str]:
+    """What fits remark, each remark once, with the families it is about unless it is all of them, and their
+    symmetry where it is not about both.
+    """
+    about: dict[str, dict[str, list[str]]] = {}
+    fitted: dict[str, list[str]] = {}
+    for result in results:
+        fitted.setdefault(result.family, []).append(result.symmetry)
         for note in result.notes:
-            about.setdefault(note, []).append(result.family)
-    return [
-        note if len(names) == len(results) else f"{', '.join(names)}: {note}" for note, names in about.items()
-    ]
+            about.setdefault(note, {}).setdefault(result.family, []).append(result.symmetry)
+    found = []
+    for note, families in about.items():
+        names = [
+            name if len(own) == len(fitted[name]) else f"{name} ({own[0]})" for name, own in families.items()
+        ]
+        everything = sum(map(len, families.values())) == len(results)
+        found.append(note if everything else f"{', '.join(names)}: {note}")
+    return found

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from microfacet._family import Family
 from microfacet._fit.estimate import Candidates, Progress, chosen_families, fit
-from microfacet._fit.result import FitResult
+from microfacet._fit.model import ANISOTROPIC
+from microfacet._fit.result import FitResult, one_a_family
+from microfacet._profile import Profile
 from microfacet._surface import Surface
 from microfacet._value import Value
 
-__all__ = ["ScaleFit", "fit_scales"]
+__all__ = ["ScaleFit", "by_family", "fit_scales"]
 
 _MAX_SLOPES = 200_000
 _FEWEST_BASELINES = 8  # that have to fit side by side into the map
@@ -56,11 +58,13 @@ class ScaleFit(Value):
 
 
 def fit_scales(
-    surface: Surface,
+    surface: Surface | Profile,
     lags: Iterable[int] | None = None,
     families: Candidates = None,
     max_slopes: int | None = _MAX_SLOPES,
     progress: Progress | None = None,
+    *,
+    symmetry: str | None = None,
 ) -> ScaleFit:
     """Fit a surface at several lags, and say where its roughness is that of noise.
 
@@ -70,8 +74,8 @@ def fit_scales(
 
     Parameters
     ----------
-    surface : Surface
-        The map, prepared as it shall be fitted.
+    surface : Surface or Profile
+        The map or profile, prepared as it shall be fitted.
     lags : iterable of int, optional
         In pixels, at least 1; by default 1, 2, 4, ... as far as 8 baselines of 2 lags fit side by side into
         the map.
@@ -81,6 +85,8 @@ def fit_scales(
         As in `fit`, for each lag.
     progress : callable, optional
         Called with (what begins, steps done, steps in all).
+    symmetry : {"isotropic", "anisotropic"}, optional
+        As in `fit`.
 
     Returns
     -------
@@ -100,17 +106,17 @@ def fit_scales(
     >>> scales.lags, scales.noise_lags
     ((1, 2, 4, 8), (1, 2, 4, 8))
     """
-    if not isinstance(surface, Surface):
-        raise ValueError(f"surface must be a Surface, got {type(surface).__name__}")
+    if not isinstance(surface, Surface | Profile):
+        raise ValueError(f"surface must be a Surface or a Profile, got {type(surface).__name__}")
     chosen = tuple(sorted(set(_default_lags(surface) if lags is None else lags)))
     if not chosen:
         raise ValueError("lags must name at least one lag, got none")
     candidates = chosen_families(families)
-    progress = progress or (lambda *_: None)
+    named, progress = None if families is None else candidates, progress or (lambda *_: None)
     results = []
     for done, lag in enumerate(chosen):
         progress(f"lag {lag}", done, len(chosen))
-        results.append(fit(surface, candidates, lag, max_slopes))
+        results.append(fit(surface, named, lag, max_slopes, symmetry=symmetry))
     chosen = tuple(int(found[0].lag or 0) for found in results)
     typical = tuple(_typical_slope(found[0], candidates) for found in results)
     exponents = tuple(
@@ -118,7 +124,7 @@ def fit_scales(
         for k in range(len(chosen) - 1)
     )
     noise = _noise_lags(chosen, exponents)
-    pixel = math.sqrt(math.prod(surface.pixel_size))
+    pixel = surface.spacing if isinstance(surface, Profile) else math.sqrt(math.prod(surface.pixel_size))
     return ScaleFit(
         chosen,
         tuple(lag * pixel for lag in chosen),
@@ -130,9 +136,25 @@ def fit_scales(
     )
 
 
-def _default_lags(surface: Surface) -> list[int]:
+def by_family(results: Sequence[Sequence[FitResult]]) -> list[dict[str, FitResult]]:
+    """For each lag the families' fits, with the same symmetry of a family at all of them: two axes if they
+    rank before the one roughness at any lag, since they hold it too.
+    """
+    axes = {one.family for at in results for one in one_a_family(at) if one.symmetry == ANISOTROPIC}
+    kept = []
+    for at in results:
+        own = [one for one in at if one.family not in axes or one.symmetry == ANISOTROPIC]
+        kept.append({one.family: one for one in own})
+    return kept
+
+
+def _default_lags(surface: Surface | Profile) -> list[int]:
     lags = [1]
-    while 2 * 2 * lags[-1] * _FEWEST_BASELINES <= min(surface.heights.shape):
+    if isinstance(surface, Profile):
+        size = max(trace.size for trace in surface.traces)
+    else:
+        size = min(surface.heights.shape)
+    while 2 * 2 * lags[-1] * _FEWEST_BASELINES <= size:
         lags.append(2 * lags[-1])
     return lags
 
@@ -143,10 +165,9 @@ def _typical_slope(result: FitResult, candidates: list[Family]) -> float:
     """
     family = next(candidate for candidate in candidates if candidate.name == result.family)
     shape = [result.params[parameter.name] for parameter in family.parameters[1:]]
-    if "alpha" in result.params:
+    if not family.anisotropic:
         return float(family.kernels.sample_slope(0.5, result.params["alpha"], *shape))
-    roughness = math.sqrt(result.params["alpha_x"] * result.params["alpha_y"])
-    return roughness * float(family.kernels.sample_slope(0.5, 1.0, *shape))
+    return math.sqrt(math.prod(result.roughness)) * float(family.kernels.sample_slope(0.5, 1.0, *shape))
 
 
 def _noise_lags(lags: tuple[int, ...], exponents: tuple[float, ...]) -> tuple[int, ...]:

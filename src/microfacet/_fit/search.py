@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from microfacet._family import Family, Parameter
 from microfacet._family.registry import UNBOUNDED
 
-__all__ = ["Search", "searches"]
+__all__ = ["Search", "edge_notes", "searches"]
 
 
 @dataclass(frozen=True)
@@ -61,3 +61,14 @@ class Search:
 def searches(family: Family) -> tuple[Search, ...]:
     """Of the shape parameters of a family, in their order."""
     return tuple(map(Search, family.parameters[1:]))
+
+
+def edge_notes(family: Family, variables: tuple[float, ...]) -> tuple[str, ...]:
+    """What is to be said of shapes at an end of the range that is searched."""
+    notes = []
+    for search, variable in zip(searches(family), variables, strict=True):
+        low, high = search.ends
+        if not low < variable < high:
+            end = "lower" if variable <= low else "upper"
+            notes.append(f"{search.parameter.name} is at the {end} end of the range that is searched")
+    return tuple(notes)

@@ -11,18 +11,28 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from microfacet._fit import blocks
+from microfacet._fit.draw import SEED
 
-__all__ = ["MAX_SLOPES", "Slopes", "prepare"]
+__all__ = [
+    "FEWEST",
+    "MAX_SLOPES",
+    "ROUNDING",
+    "STEEPEST",
+    "Slopes",
+    "chunks_of",
+    "prepare",
+    "step_of",
+]
 
 #: Slopes used at most, unless the caller asks for more; bounds memory (40 bytes each) and time.
 MAX_SLOPES = 4_000_000
 
-_SEED = 0
-_FEWEST = 20
-# Far beyond any surface: a larger slope is a mistake in the units.
-_STEEPEST = 1e6
-# Slopes closer than this part of their median size are equal but for rounding.
-_ROUNDING = 1e-9
+#: Slopes without which nothing is fitted.
+FEWEST = 20
+#: Far beyond any surface: a larger slope is a mistake in the units.
+STEEPEST = 1e6
+#: Slopes closer than this part of their median size are equal but for rounding.
+ROUNDING = 1e-9
 _PART = 50_000  # slopes from which quantities are estimated that need no more than a percent
 _CHUNK = 32_768  # slopes at a time: their arrays stay in the cache
 
@@ -56,15 +66,23 @@ class Slopes:
     sizes: NDArray[np.intp]  # slopes in each group
     folds: NDArray[np.intp]  # fold of each group
     chunks: tuple[Chunk, ...]
-    on_map: bool
+    on_map: bool  # or along a line: whether groups lie side by side, in a rectangle of this shape
     stretch: NDArray[np.float64]
-    mean: tuple[float, float]
-    mean_errors: tuple[float, float]
+    mean: tuple[float, ...]
+    mean_errors: tuple[float, ...]
     notes: tuple[str, ...]
+    shape: tuple[int, int] = blocks.WHOLE
 
     @property
     def n(self) -> int:
         return self.xx.size
+
+    def totals(self, values: Vector) -> Vector:
+        """Sums over each group of a value for each slope."""
+        found = np.zeros(len(self.sizes))
+        for chunk in self.chunks:
+            found[chunk.groups] += np.add.reduceat(values[chunk.where], chunk.starts)
+        return found
 
     def part(self, size: int) -> Slopes:
         """Every k-th slope as one group, so that about `size` remain, for a cheap first search."""
@@ -78,12 +96,12 @@ class Slopes:
             xy=self.xy[every],
             sizes=np.array([xx.size]),
             folds=zero,
-            chunks=tuple(_chunks(np.array([xx.size]), zero)),
+            chunks=tuple(chunks_of(np.array([xx.size]), zero)),
             on_map=False,
         )
 
 
-def _chunks(sizes: NDArray[np.intp], folds: NDArray[np.intp]) -> Iterator[Chunk]:
+def chunks_of(sizes: NDArray[np.intp], folds: NDArray[np.intp]) -> Iterator[Chunk]:
     """Groups that follow each other, sorted by fold, in pieces that fit into a cache; large groups are
     cut.
     """
@@ -107,16 +125,20 @@ def _chunks(sizes: NDArray[np.intp], folds: NDArray[np.intp]) -> Iterator[Chunk]
         begin, groups, starts, filled = begin + filled, [], [], 0
 
 
-def prepare(slopes: ArrayLike, max_slopes: int | None, cells: NDArray[np.int16] | None = None) -> Slopes:
+def prepare(
+    slopes: ArrayLike,
+    max_slopes: int | None,
+    cells: NDArray[np.int16] | None = None,
+    notes: tuple[str, ...] = (),
+) -> Slopes:
     """Check, centre, group and whiten `slopes`; `ValueError` says in one sentence what is wrong."""
     array = _checked(slopes)
-    notes: tuple[str, ...] = ()
     # The densities are symmetric, so the median estimates their mean; it settles where the sample mean does
     # not (infinite variance), and where the likelihood is infinite at every slope (infinite central density).
     mean = np.median(array, axis=0)
     if max_slopes is not None and len(array) > max_slopes:
-        notes = (f"fitted to {max_slopes} of {len(array)} slopes, drawn at random with seed {_SEED}",)
-        chosen = np.random.default_rng(_SEED).choice(len(array), max_slopes, replace=False, shuffle=False)
+        notes += (f"fitted to {max_slopes} of {len(array)} slopes, drawn at random with seed {SEED}",)
+        chosen = np.random.default_rng(SEED).choice(len(array), max_slopes, replace=False, shuffle=False)
         chosen.sort()
         array, cells = array[chosen], None if cells is None else cells[chosen]
     squares, central = _squares(*np.ascontiguousarray((array - mean).T))
@@ -146,7 +168,7 @@ def prepare(slopes: ArrayLike, max_slopes: int | None, cells: NDArray[np.int16] 
         xy=xy,
         sizes=sizes,
         folds=folds,
-        chunks=tuple(_chunks(sizes, folds)),
+        chunks=tuple(chunks_of(sizes, folds)),
         on_map=cells is not None,
         stretch=stretch,
         mean=(float(mean[0]), float(mean[1])),
@@ -167,10 +189,10 @@ def _median_errors(
         above = np.sign(column - middle)
         if on_map:
             sums = np.bincount(groups, weights=above, minlength=count).astype(np.float64)
-            variance = max(float(blocks.scatter(sums, True)[0, 0]), float(len(column)))
+            error = max(blocks.variances(sums, True)[0].error, math.sqrt(len(column)))
         else:
-            variance = float(len(column))
-        share = min(math.sqrt(variance) / (2 * len(column)), 0.5)
+            error = math.sqrt(len(column))
+        share = min(error / (2 * len(column)), 0.5)
         low, high = np.quantile(column, [0.5 - share, 0.5 + share])
         result.append(float(high - low) / 2)
     return result[0], result[1]
@@ -188,14 +210,14 @@ def _squares(p: Vector, q: Vector) -> tuple[tuple[Vector, Vector, Vector], float
         raise ValueError(
             "slopes: more than half of them are equal, which leaves no density to fit (try a larger lag)"
         )
-    step_p, step_q = _step(p, _ROUNDING * scale), _step(q, _ROUNDING * scale)
+    step_p, step_q = step_of(p, ROUNDING * scale), step_of(q, ROUNDING * scale)
     central = (np.abs(p) < step_p / 2) & (np.abs(q) < step_q / 2)
     p2 = np.where(central, step_p**2 / 12, p * p)
     q2 = np.where(central, step_q**2 / 12, q * q)
     return (p2, q2, np.where(central, 0.0, p * q)), float(np.mean(central))
 
 
-def _step(values: Vector, rounding: float) -> float:
+def step_of(values: Vector, rounding: float) -> float:
     """The step of quantised values; `rounding`, which is next to nothing, for values that do not repeat."""
     gaps = np.diff(np.sort(values))
     distinct = gaps[gaps > rounding]
@@ -245,15 +267,15 @@ def _checked(slopes: ArrayLike) -> NDArray[np.float64]:
         raise ValueError(
             f"slopes must be a Surface or real numbers of shape (N, 2), got {array.dtype}, {array.shape}"
         )
-    if len(array) < _FEWEST:
-        raise ValueError(f"slopes: at least {_FEWEST} are needed, got {len(array)}")
+    if len(array) < FEWEST:
+        raise ValueError(f"slopes: at least {FEWEST} are needed, got {len(array)}")
     array = array.astype(np.float64)
-    bad = ~(np.abs(array) <= _STEEPEST).all(axis=1)
+    bad = ~(np.abs(array) <= STEEPEST).all(axis=1)
     if bad.any():
         row = int(np.argmax(bad))
         raise ValueError(
-            f"slopes must be finite and lie in [-{_STEEPEST:g}, {_STEEPEST:g}], "
-            f"got {tuple(array[row].tolist())} in row {row}"
+            f"slopes must be finite and lie in [-{STEEPEST:g}, {STEEPEST:g}], "
+            f"got {tuple(array[row].tolist())} in row {row}: are heights and pixel size in the same unit?"
         )
     for name, column in zip(("first", "second"), array.T, strict=True):
         if np.ptp(column) == 0:
