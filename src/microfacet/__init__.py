@@ -17,7 +17,6 @@ Examples
 from __future__ import annotations
 
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from microfacet._family import (
@@ -49,6 +48,7 @@ from microfacet._family.ggx import GGX
 from microfacet._family.gtr import GTR
 from microfacet._family.k0 import K0
 from microfacet._family.student_t import StudentT
+from microfacet._installation import get_cmake_dir, get_include
 from microfacet._radial import RadialNDF
 from microfacet._slope_table import SlopeTable
 
@@ -68,17 +68,47 @@ if TYPE_CHECKING:
     from microfacet._density_files import read_density
     from microfacet._export import export
     from microfacet._export.arrays import array_functions
-    from microfacet._fit import FitResult, Goodness, ScaleFit, TableFit, fit, fit_scales, fit_table
+    from microfacet._fit import (
+        Comparison,
+        Difference,
+        FitResult,
+        FitResults,
+        Goodness,
+        Halves,
+        ScaleFit,
+        TableFit,
+        Verdict,
+        compare,
+        fit,
+        fit_scales,
+        fit_table,
+    )
+    from microfacet._optics import (
+        AbgFit,
+        BrdfTable,
+        SpatialBandwidth,
+        brdf_table,
+        read_refractive_index,
+        spatial_bandwidth,
+    )
+    from microfacet._profile import Profile, ProfileRoughness, ProfileSpectrum, read_profile
     from microfacet._surface import (
+        Autocorrelation,
+        KCorrelation,
+        MaterialRatio,
         Roughness,
         SlopeSample,
+        Spectrum,
         Surface,
         SurfaceError,
+        autocorrelation,
+        material_ratio,
         read_normal_map,
         read_slopes,
         read_surface,
         roughness,
         sample_terrain,
+        spectrum,
         synthesize,
     )
     from microfacet._user_family import UserFamily
@@ -87,10 +117,15 @@ __all__ = [
     "GGX",
     "GTR",
     "K0",
+    "AbgFit",
+    "Autocorrelation",
     "Beckmann",
     "BesselK",
+    "BrdfTable",
+    "Comparison",
     "Conductor",
     "Dielectric",
+    "Difference",
     "Diffuse",
     "Dirac",
     "DoubleGGX",
@@ -99,27 +134,40 @@ __all__ = [
     "Exponential",
     "Family",
     "FitResult",
+    "FitResults",
     "GeneralisedExponential",
     "Goodness",
+    "Halves",
+    "KCorrelation",
     "KullaConty",
     "LookupTexture",
+    "MaterialRatio",
     "Parameter",
+    "Profile",
+    "ProfileRoughness",
+    "ProfileSpectrum",
     "RadialNDF",
     "Roughness",
     "ScaleFit",
     "SlopeSample",
     "SlopeTable",
+    "SpatialBandwidth",
+    "Spectrum",
     "StudentT",
     "Surface",
     "SurfaceError",
     "TableFit",
     "Turquin",
     "UserFamily",
+    "Verdict",
     "__version__",
     "array_functions",
+    "autocorrelation",
     "bake",
     "beckmann",
     "bessel_k",
+    "brdf_table",
+    "compare",
     "dirac",
     "double_ggx",
     "ei",
@@ -140,12 +188,17 @@ __all__ = [
     "gtr",
     "k0",
     "lookup_texture",
+    "material_ratio",
     "read_density",
     "read_normal_map",
+    "read_profile",
+    "read_refractive_index",
     "read_slopes",
     "read_surface",
     "roughness",
     "sample_terrain",
+    "spatial_bandwidth",
+    "spectrum",
     "student_t",
     "synthesize",
     "testing",
@@ -155,87 +208,33 @@ __version__: str
 
 # Loaded at first use: most need SciPy, which an `import microfacet` for the ufuncs should not wait for.
 _LAZY = {
-    "Conductor": "microfacet._bsdf",
-    "Dielectric": "microfacet._bsdf",
-    "Diffuse": "microfacet._bsdf",
-    "KullaConty": "microfacet._bsdf",
-    "Turquin": "microfacet._bsdf",
-    "fresnel_average": "microfacet._bsdf",
-    "fresnel_conductor": "microfacet._bsdf",
-    "fresnel_dielectric": "microfacet._bsdf",
-    "LookupTexture": "microfacet._bake",
-    "read_density": "microfacet._density_files",
-    "array_functions": "microfacet._export.arrays",
-    "bake": "microfacet._bake",
-    "export": "microfacet._export",
-    "lookup_texture": "microfacet._bake",
-    "FitResult": "microfacet._fit",
-    "Goodness": "microfacet._fit",
-    "ScaleFit": "microfacet._fit",
-    "TableFit": "microfacet._fit",
-    "fit": "microfacet._fit",
-    "fit_scales": "microfacet._fit",
-    "fit_table": "microfacet._fit",
-    "Roughness": "microfacet._surface",
-    "SlopeSample": "microfacet._surface",
-    "Surface": "microfacet._surface",
-    "SurfaceError": "microfacet._surface",
-    "read_normal_map": "microfacet._surface",
-    "read_slopes": "microfacet._surface",
-    "read_surface": "microfacet._surface",
-    "roughness": "microfacet._surface",
-    "sample_terrain": "microfacet._surface",
-    "synthesize": "microfacet._surface",
-    "UserFamily": "microfacet._user_family",
+    name: module
+    for module, names in {
+        "microfacet._bake": "LookupTexture bake lookup_texture",
+        "microfacet._bsdf": (
+            "Conductor Dielectric Diffuse KullaConty Turquin fresnel_average fresnel_conductor "
+            "fresnel_dielectric"
+        ),
+        "microfacet._density_files": "read_density",
+        "microfacet._export": "export",
+        "microfacet._export.arrays": "array_functions",
+        "microfacet._fit": (
+            "Comparison Difference FitResult FitResults Goodness Halves ScaleFit TableFit Verdict "
+            "compare fit fit_scales fit_table"
+        ),
+        "microfacet._optics": (
+            "AbgFit BrdfTable SpatialBandwidth brdf_table read_refractive_index spatial_bandwidth"
+        ),
+        "microfacet._profile": "Profile ProfileRoughness ProfileSpectrum read_profile",
+        "microfacet._surface": (
+            "Autocorrelation KCorrelation MaterialRatio Roughness SlopeSample Spectrum Surface "
+            "SurfaceError autocorrelation material_ratio read_normal_map read_slopes read_surface "
+            "roughness sample_terrain spectrum synthesize"
+        ),
+        "microfacet._user_family": "UserFamily",
+    }.items()
+    for name in names.split()
 }
-
-
-def get_include() -> str:
-    """The folder of the C++ headers, for a compiler's ``-I``.
-
-    Returns
-    -------
-    str
-        The folder that has ``microfacet/smith/ndf.hpp`` and all else that is included as ``microfacet/...``.
-
-    Examples
-    --------
-    >>> import pathlib
-    >>> import microfacet as mf
-    >>> pathlib.Path(mf.get_include(), "microfacet", "smith", "ndf.hpp").exists()
-    True
-    """
-    here = Path(__file__).parent
-    installed = here / "include"
-    return str(installed if installed.is_dir() else here.parent.parent / "include")
-
-
-def get_cmake_dir() -> str:
-    """The folder of the CMake package, for ``find_package(microfacet)`` with ``-Dmicrofacet_DIR=...``.
-
-    Returns
-    -------
-    str
-        The folder that has ``microfacet-config.cmake``.
-
-    Raises
-    ------
-    FileNotFoundError
-        If microfacet runs from a source tree: installing it makes the CMake package.
-
-    Examples
-    --------
-    >>> import pathlib
-    >>> import microfacet as mf
-    >>> pathlib.Path(mf.get_cmake_dir(), "microfacet-config.cmake").exists()
-    True
-    """
-    folder = Path(__file__).parent / "share" / "cmake" / "microfacet"
-    if not folder.is_dir():
-        raise FileNotFoundError(
-            f"there is no CMake package at {folder}: only an installed microfacet has one"
-        )
-    return str(folder)
 
 
 def _version() -> str:

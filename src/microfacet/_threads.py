@@ -6,21 +6,47 @@ it, so that a process which forks inherits none.
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TypeVar
 
-__all__ = ["WORTH_THREADS", "blocks", "in_threads", "threads"]
+__all__ = ["WORTH_THREADS", "blocks", "in_threads", "processors", "threads"]
 
 # Evaluations of a closed form, some milliseconds, of which starting threads takes a tenth.
 WORTH_THREADS = 1 << 19
 _PARTS = 4  # for each thread, so that all end at about the same time
 Part = TypeVar("Part")
 Result = TypeVar("Result")
+
+
+_CONTROL_GROUP = Path("/sys/fs/cgroup")
+
+
+def processors() -> int:
+    """How many processors this process may use: those it may run on, and what its container's quota allows.
+
+    A quota of one and a half processors counts as two.
+    """
+    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, math.ceil(min(count, _quota())))
+
+
+def _quota() -> float:
+    """Processors that the control group grants (version 2 of Linux' control groups, or 1); inf without."""
+    for names in (("cpu.max",), ("cpu/cpu.cfs_quota_us", "cpu/cpu.cfs_period_us")):
+        try:
+            quota, period = " ".join((_CONTROL_GROUP / name).read_text() for name in names).split()
+            if float(quota) > 0 and float(period) > 0:
+                return float(quota) / float(period)
+        except (OSError, ValueError):  # there is none, or it says "max"
+            continue
+    return math.inf
 
 
 def threads() -> int:
@@ -32,7 +58,7 @@ def threads() -> int:
         return 1
     wanted = os.environ.get("MICROFACET_THREADS")
     if wanted is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return processors()
     if not (wanted.isascii() and wanted.isdigit() and int(wanted) >= 1):
         raise ValueError(f"MICROFACET_THREADS must be a whole number in [1, inf), got {wanted!r}")
     return int(wanted)

@@ -53,7 +53,7 @@ class _Kernels:
             return np.where(u > 0.0, self.P22(slope, 0.0, alpha, *shape) / u**4, 0.0)
 
     def P2(self, p: Any, alpha: Any, *shape: float) -> Any:
-        return self._at(alpha, shape).P2(p)
+        return self._standard(*shape).P2(np.asarray(p) / alpha) / alpha
 
     def sigma(self, u: Any, alpha: Any, *shape: float) -> Any:
         return self._at(alpha, shape).sigma(_directions(u))
@@ -81,6 +81,9 @@ class _OwnKernels(_Kernels):
 
     def D(self, u: Any, alpha: Any, *shape: float) -> Any:
         return self._at(alpha, shape).D(_directions(u))
+
+    def P2(self, p: Any, alpha: Any, *shape: float) -> Any:
+        return self._at(alpha, shape).P2(p)
 
     def slope_cdf(self, p: Any, alpha: Any, *shape: float) -> Any:
         return self._at(alpha, shape).slope_cdf(p)

@@ -17,6 +17,7 @@ __all__ = ["Standard"]
 Array = NDArray[np.float64]
 
 _PANEL, _NODES = 0.025, 6  # of log r
+_SPACED = 0.04  # of log slope, between quadratures
 _NEGLIGIBLE = 650.0  # minus the logarithm of a share of the mass that is nothing, and
 _LITTLE = 60.0  # of what may lie beyond slopes that are numbers
 
@@ -95,6 +96,31 @@ class Standard:
             step = (target - (np.log(below) - np.log(above))) / np.where(slope > 0.0, slope, np.inf)
             x = np.clip(x + np.clip(step, -_PANEL, _PANEL), self._edges[0], self._edges[-1])
         return np.where(share > 0.0, np.exp(x), 0.0)
+
+    def P2(self, p: ArrayLike) -> Any:
+        """The density of the slope along an axis, by a spline through the logarithms of quadratures.
+
+        It is 2 int P22(t cosh y) t cosh y dy over y > 0. Below the slope that hardly any slope is below it is
+        constant, also where the density at slope 0 is infinite.
+        """
+        from scipy.interpolate import CubicSpline
+
+        least = float(self._edges[np.searchsorted(self._below, 1e-16)])  # hardly a slope is smaller
+        t = np.abs(np.asarray(p, dtype=np.float64))
+        at = np.clip(np.log(np.maximum(t, 1e-300)), least, 140.0)
+        first, last = (round(find(at) / _SPACED) for find in (np.min, np.max))
+        x = _SPACED * np.arange(first - 6, last + 7)
+        nodes, weights = np.polynomial.legendre.leggauss(10)
+        y = (np.arange(40)[:, np.newaxis] + 0.5 * (nodes + 1.0)).ravel()
+        with np.errstate(all="ignore"):
+            r = np.exp(x)[:, np.newaxis] * np.cosh(y)
+            values = (self.P22(r.ravel()).reshape(r.shape) * r) @ np.tile(weights, 40)
+        kept = np.flatnonzero(values > 1e-290)
+        if kept.size < 4:
+            return np.zeros_like(t)
+        curve = CubicSpline(x[kept], np.log(values[kept]))
+        seen = (at >= x[kept[0]]) & (at <= x[kept[-1]])
+        return np.where(seen, np.exp(curve(np.clip(at, x[kept[0]], x[kept[-1]]))), 0.0)
 
     def slope_cdf(self, p: ArrayLike) -> Any:
         """The probability that the slope along an axis is at most p.

@@ -13,6 +13,8 @@ with needed("the command microfacet needs"):
 
 from microfacet.cli import (
     bake,
+    brdf,
+    compare,
     evaluate,
     export,
     families,
@@ -21,6 +23,8 @@ from microfacet.cli import (
     render,
     report,
     sample,
+    spectrum,
+    surface,
     synthesize,
     verify,
 )
@@ -51,6 +55,8 @@ def main(ctx: click.Context) -> None:
 
 for command in (
     bake.bake,
+    brdf.brdf,
+    compare.compare,
     evaluate.evaluate,
     export.export,
     families.families,
@@ -59,6 +65,8 @@ for command in (
     render.render,
     report.report,
     sample.sample,
+    surface.surface,
+    spectrum.spectrum,
     synthesize.synthesize,
     verify.verify,
 ):

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from microfacet._files import is_stdout
 from microfacet._text import printable
 from microfacet.cli.densities import densities_option
-from microfacet.cli.printing import announce, console, progress_line, say, show, where
+from microfacet.cli.printing import announce, console, progress_line, say, show, value, where
 from microfacet.cli.program import families_option, json_option
 from microfacet.cli.surfaces import surface_options
 
@@ -31,6 +32,13 @@ __all__ = ["fit"]
 @surface_options
 @families_option
 @densities_option
+@click.option("--isotropic", "symmetry", flag_value="isotropic", help="Fit one roughness alone.")
+@click.option(
+    "--anisotropic",
+    "symmetry",
+    flag_value="anisotropic",
+    help="Fit one roughness along each of two axes alone; both kinds by default.",
+)
 @click.option("--terrain", is_flag=True, help="Fit the terrain that ships with matplotlib: no FILE.")
 @click.option("--scales/--no-scales", default=True, help="Fit at lags 1, 2, 4, ... too (default).")
 @click.option(
@@ -42,11 +50,24 @@ __all__ = ["fit"]
     help="Predict masking at this angle from the macronormal; repeat for several.",
 )
 @click.option("--max-slopes", type=click.IntRange(min=20), metavar="N", help="Of more slopes, draw N.")
+@click.option(
+    "--max-slope",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="X",
+    help="The steepest slope that the instrument measures: warn of those beyond it.",
+)
 @click.option("--report", type=click.Path(dir_okay=False), metavar="FILE", help="Write a page (HTML).")
 @click.option(
     "--dask",
     metavar="ADDRESS",
-    help="Fit on the scheduler tcp://...; local (default for several files); none.",
+    help="Fit on the scheduler tcp://...; local (default for 128 MiB of files and more); none.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False),
+    metavar="FILE",
+    help="Write a table, one row a file: FILE.csv or .parquet.",
 )
 @json_option
 @click.pass_context
@@ -55,19 +76,22 @@ def fit(
     files: tuple[str, ...],
     reading: dict[str, Any],
     families: tuple[Any, ...],
+    symmetry: str | None,
     terrain: bool,
     scales: bool,
     angles: tuple[float, ...],
     max_slopes: int | None,
+    max_slope: float | None,
     report: str | None,
     dask: str | None,
+    output: str | None,
     as_json: bool,
 ) -> None:
     """Fit the families to the slopes of measured surfaces and rank them.
 
     FILE is a height map: .npz, .npy, .x3p, a grid of numbers, an image, and what instruments write where
-    the extra surface is installed; or slopes. Several files give one table; where dask is installed they are
-    fitted at the same time.
+    the extra surface is installed; or slopes. Several files give one table; where they are large and dask is
+    installed, they are fitted at the same time.
 
     \b
     Examples:
@@ -75,6 +99,7 @@ def fit(
       microfacet fit --terrain --report terrain.html
       microfacet fit scan.di --lag 2 --family student_t --family ggx --json
       microfacet fit scan.x3p --l-filter 8e-4 --report scan.html
+      microfacet fit *.x3p --output table.parquet
       microfacet fit *.x3p --dask tcp://10.0.0.5:8786 --json
       microfacet fit slopes.parquet --slopes table
       microfacet fit scan.x3p --density own.json --family ggx
@@ -87,9 +112,16 @@ def fit(
         raise click.UsageError("--report is about one file: give one, or run the command for each")
     if report and not Path(report).absolute().parent.is_dir():
         raise ValueError(f"--report must lie in an existing folder, got {report!r}")
-    from microfacet.cli import fits
+    from microfacet.cli import batch, fits
 
-    options: dict[str, Any] = {"terrain": terrain, "scales": scales, "max_slopes": max_slopes}
+    taken = output is not None and is_stdout(output)
+    if taken and as_json:
+        raise click.UsageError("--json prints on the standard output, which --output takes: give a file")
+    if output:
+        batch.checked_output(output)
+    options: dict[str, Any] = {"terrain": terrain, "scales": scales}
+    options |= {"max_slopes": max_slopes, "max_slope": max_slope}
+    options["symmetry"] = symmetry
     if angles:
         options["angles"] = angles
     jobs = [fits.Job(file, reading, families, **options) for file in files or ("",)]
@@ -101,14 +133,20 @@ def fit(
             from microfacet._report.surfaces import write
 
             write(report, outcomes[0], _command(), progress)
+    if output:
+        names = files or ("terrain",)
+        batch.save(output, [batch.row(*one) for one in zip(names, outcomes, strict=True)])
+    pages = {name: where(path) for name, path in (("output", output), ("report", report)) if path is not None}
     if len(files) > 1:
         if as_json:
             rows = [
                 {"file": file, **outcome.as_dict()} for file, outcome in zip(files, outcomes, strict=True)
             ]
-            click.echo(json.dumps({"files": rows}, allow_nan=False))
-        else:
+            click.echo(json.dumps({"files": rows, **pages}, allow_nan=False))
+        elif not taken:
             _print_files(files, outcomes)
+            for path in pages.values():
+                announce(path, path)
         failed = [outcome.error for outcome in outcomes if isinstance(outcome, fits.Failure)]
         for error in failed:
             say(error)
@@ -117,12 +155,11 @@ def fit(
     if isinstance(fitted, fits.Failure):  # on a worker
         raise ValueError(fitted.error)
     if as_json:
-        page = {"report": where(report)} if report else {}
-        click.echo(json.dumps({**fitted.as_dict(), **page}, allow_nan=False))
-    else:
+        click.echo(json.dumps({**fitted.as_dict(), **pages}, allow_nan=False))
+    elif not taken:
         _print(fitted)
-        if report:
-            announce(where(report), report)
+        for path in pages.values():
+            announce(path, path)
 
 
 def _print(fitted: Fitted) -> None:
@@ -136,26 +173,35 @@ def _print(fitted: Fitted) -> None:
     out = console()
     _ranking(out, fitted.results)
     click.echo()
+    click.echo(f"Verdict: {fitted.results.verdict.sentence}")
+    for warning in fitted.results.warnings:
+        click.echo(f"Warning: {printable(warning, 600)}")
+    click.echo()
     _prediction(out, fitted.predictions)
     if fitted.scales:
         click.echo()
         _scales(out, fitted.scales)
     if fitted.roughness:
         click.echo()
-        values = fitted.roughness  # ISO 25178-2: lengths in metres
-        show(out, list(values._fields), [[f"{number:.4g}" for number in values]], left=0)
+        from microfacet.cli import areal, profiles
+
+        if fitted.profile:
+            profiles.print_parameters(out, fitted.roughness)
+        else:
+            areal.print_parameters(out, fitted.roughness, fitted.spectrum, fitted.autocorrelation)
 
 
 def _print_files(names: Sequence[str], outcomes: Sequence[Fitted | Failure]) -> None:
-    """One row per file: the first family, and how far behind the second is."""
+    """One row per file: the first family, and how far behind the second one is."""
+    from microfacet._fit.result import one_a_family
     from microfacet.cli import fits
 
     rows = []
     for name, outcome in zip(names, outcomes, strict=True):
         if isinstance(outcome, fits.Failure):
-            rows.append([name, "-", "-", "-", "-", outcome.error, "-", "-", ""])
+            rows.append([name, "-", "-", "-", "-", "-", outcome.error, "-", "-", ""])
             continue
-        first, *others = outcome.results
+        first, *others = one_a_family(outcome.results)
         second = others[0] if others else first
         noise = "noise" if outcome.scales and first.lag in outcome.scales.noise_lags else ""
         rows.append(
@@ -165,13 +211,14 @@ def _print_files(names: Sequence[str], outcomes: Sequence[Fitted | Failure]) -> 
                 str(first.n),
                 f"{first.n_effective:.0f}",
                 first.family,
+                first.symmetry,
                 _parameters(first),
                 second.family if others else "-",
                 f"{second.held_out - first.held_out:.5f}" if others else "-",
                 noise,
             ]
         )
-    headings = ["file", "lag", "n", "effective", "family", "parameters", "second", "held out", ""]
+    headings = ["file", "lag", "n", "effective", "family", "symmetry", "parameters", "second", "held out", ""]
     show(console(), headings, rows, left=1)
 
 
@@ -189,6 +236,7 @@ def _ranking(out: Console, results: Sequence[Any]) -> None:
             fit.family
             + ("" if rank > 1 or len(results) == 1 or not results[1].tied else " (tied)")
             + (" (tied)" if rank > 1 and fit.tied else ""),
+            fit.symmetry,
             _parameters(fit),
             f"{fit.held_out - best.held_out:.5f}",
             f"{fit.held_out_error:.5f}",
@@ -198,8 +246,8 @@ def _ranking(out: Console, results: Sequence[Any]) -> None:
         ]
         for rank, fit in enumerate(results, start=1)
     ]
-    headings = ["rank", "family", "parameters", "held out", "+-", "dAIC", "dBIC", "A2"]
-    show(out, headings, rows, left=3)
+    headings = ["rank", "family", "symmetry", "parameters", "held out", "+-", "dAIC", "dBIC", "A2"]
+    show(out, headings, rows, left=4)
 
 
 def _prediction(out: Console, predictions: Sequence[Any]) -> None:
@@ -220,14 +268,6 @@ def _scales(out: Console, found: Any) -> None:
         noise = "noise" if lag in found.noise_lags else ""
         rows.append([str(lag), f"{length:.4g}", results[0].family, _parameters(results[0]), exponent, noise])
     show(out, ["lag", "metres", "family", "parameters", "exponent", ""], rows, left=0)
-
-
-def value(number: float, error: float) -> str:
-    """A number with its error, to two digits of the error: 0.1065(47) as 0.1065+-0.0047."""
-    if not (math.isfinite(error) and error > 0):
-        return f"{number:.4g}"
-    digits = max(1 - math.floor(math.log10(error)), 0)
-    return f"{number:.{digits}f}+-{error:.{digits}f}" if digits < 12 else f"{number:.6g}"
 
 
 def _parameters(fit: Any) -> str:

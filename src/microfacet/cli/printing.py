@@ -18,7 +18,7 @@ from microfacet._text import printable
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["announce", "console", "finite", "progress_line", "say", "show", "where"]
+__all__ = ["announce", "console", "finite", "progress_line", "say", "show", "value", "where"]
 
 LONGEST_CELL = 1000
 
@@ -94,3 +94,15 @@ def progress_line() -> Iterator[Callable[[str, int, int], None]]:
         yield lambda what, done, total: bar.update(
             task, description=printable(what), completed=done, total=total or None
         )
+
+
+def value(number: float, error: float) -> str:
+    """A number with its error, to two digits of the error: 0.1065(47) as 0.1065+-0.0047."""
+    if not (math.isfinite(error) and error > 0):
+        return f"{number:.4g}"
+    digits = max(1 - math.floor(math.log10(error)), 0)
+    if digits > 6 and abs(number) < 1e-3:  # as lengths in metres are
+        power = math.floor(math.log10(max(abs(number), error)))
+        scaled, digits = number / 10.0**power, max(1 - math.floor(math.log10(error / 10.0**power)), 0)
+        return f"{scaled:.{digits}f}+-{error / 10.0**power:.{digits}f}e{power}"
+    return f"{number:.{digits}f}+-{error:.{digits}f}" if digits < 12 else f"{number:.6g}"

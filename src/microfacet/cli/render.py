@@ -185,7 +185,10 @@ def _of_fit(stream: TextIO, chosen: str | None) -> tuple[str, dict[str, float]]:
     """Family and parameters from the JSON of a fit."""
     try:
         ranking: list[Mapping[str, Any]] = read_json(stream, LONGEST_FIT)["ranking"]
-        found = {str(entry["family"]): {k: float(v) for k, v in entry["params"].items()} for entry in ranking}
+        found: dict[str, dict[str, float]] = {}
+        for entry in ranking:  # best first, perhaps with both symmetries of a family
+            values = {k: float(v) for k, v in entry["params"].items()}
+            found.setdefault(str(entry["family"]), values)
         best = next(iter(found))
     except (ValueError, LookupError, TypeError, AttributeError, OverflowError, StopIteration):
         name = getattr(stream, "name", "-")

@@ -63,6 +63,8 @@ def report(
         raise click.UsageError("--surface and --terrain exclude each other")
     if reading and not surface:
         raise click.UsageError(f"--{next(iter(reading)).replace('_', '-')} goes with --surface")
+    if reading.keys() & {"profile", "resample"}:
+        raise click.UsageError("the report shows a height map: fit takes profiles")
     if "slopes" in reading:
         raise click.UsageError("the report shows a height map: fit takes slopes")
     prepared = load_map(surface, **reading) if surface else None

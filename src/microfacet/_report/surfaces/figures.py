@@ -19,10 +19,20 @@ from scipy.optimize import brentq
 import microfacet as mf
 from microfacet import plot
 from microfacet._family.looks import symbol
+from microfacet._fit.result import FitResult, one_a_family
+from microfacet._fit.scales import by_family
 from microfacet._report.figure import INK, REFERENCE, FigureBlock, inline_svg, panel
 from microfacet._report.surfaces.relief import length
 
-__all__ = ["lobe_figure", "look", "scale_figure", "slope_figures"]
+__all__ = [
+    "best_families",
+    "histogram",
+    "lobe_figure",
+    "look",
+    "quantile_figure",
+    "scale_figure",
+    "slope_figures",
+]
 
 _BINS = 101
 _INCIDENCES = (30, 75)
@@ -30,31 +40,33 @@ _TALL = (5.4, 5.4)
 
 Vector = NDArray[np.float64]
 
+_SHOWN = 6  # more curves cannot be told apart
+
+
+def best_families(results: Sequence[FitResult]) -> list[FitResult]:
+    """The families that fit best, each with the symmetry that ranks first."""
+    return one_a_family(results)[:_SHOWN]
+
 
 def slope_figures(slopes: Vector, results: Sequence[Any]) -> Iterator[FigureBlock]:
-    """Histograms along both axes, quantiles of the radius, roughness by direction, one by one."""
+    """Histograms along both axes, quantiles of the radius, roughness by direction, one by one.
+
+    `results` has one of each family.
+    """
     first = next((result.params["rotation"] for result in results if "rotation" in result.params), 0.0)
     panels = []
     for key, azimuth in (("x", first), ("y", first + 0.5 * np.pi)):
-        panels.append(_histogram(f"hist{key}", slopes, results, azimuth))
+        panels.append(histogram(f"hist{key}", slopes, results, azimuth))
     degrees = np.degrees(first)
     yield FigureBlock(
         "slopes",
         tuple(panels),
         f"Slopes along both axes of the roughness ({degrees:.0f}° and {degrees + 90:.0f}° from $x$): the "
-        "measured density and the marginal $P_2$ of every family; below, measured over fitted. The band is "
-        "two standard deviations of as many slopes as these are worth.",
+        "measured density and the marginal $P_2$ of the families that fit best; below, measured over fitted. "
+        "The band is two standard deviations of as many slopes as these are worth.",
     )
-    yield FigureBlock(
-        "quantiles",
-        (
-            panel(
-                "qq",
-                "Quantiles of the slope, measured over fitted",
-                partial(_quantiles, results),
-                legend=None,
-            ),
-        ),
+    yield quantile_figure(
+        results,
         "Quantiles of the radial slope in standard space, measured over fitted, against the share of slopes "
         "that lie beyond. A family whose curve bends down where few do has too heavy a tail, one whose curve "
         "bends up there too light a one.",
@@ -62,17 +74,24 @@ def slope_figures(slopes: Vector, results: Sequence[Any]) -> Iterator[FigureBloc
     yield FigureBlock("directions", (_directions(slopes, results),), _DIRECTIONS)
 
 
+def quantile_figure(results: Sequence[Any], caption: str) -> FigureBlock:
+    """Measured over fitted quantiles, of these families."""
+    name = "Quantiles of the slope, measured over fitted"
+    return FigureBlock("quantiles", (panel("qq", name, partial(_quantiles, results), legend=None),), caption)
+
+
 _DIRECTIONS = (
     "Roughness by direction: the median of the absolute slope along each azimuth, measured (points) and of "
-    "every family (curves). Points off the curves at some azimuths show an anisotropy that is not an ellipse."
+    "the families that fit best (curves). Points off the curves at some azimuths show an anisotropy that is "
+    "not an ellipse."
 )
 
 
 def scale_figure(scales: Any) -> FigureBlock:
-    """Roughness and shape against the lag, for every family."""
+    """Roughness and shape against the lag, for the families that fit best at the first."""
     lengths = np.asarray(scales.lengths)
-    by_lag = [{result.family: result for result in results} for results in scales.results]
-    names = [result.family for result in scales.results[0]]
+    by_lag = by_family(scales.results)
+    names = list(by_lag[0])[:_SHOWN]
     shapes = {
         family.name: family.parameters[1].name
         for family in mf.families()
@@ -81,11 +100,11 @@ def scale_figure(scales: Any) -> FigureBlock:
 
     def roughness(ax: Axes) -> None:
         for name in names:
-            values = [_mean_alpha(fits[name].params) for fits in by_lag]
+            values = [math.sqrt(math.prod(fits[name].roughness)) for fits in by_lag]
             ax.plot(lengths, values, marker="o", markersize=4, **look(name))
         if scales.noise_lags:
             reach = lengths[: len(scales.noise_lags)]
-            start = _mean_alpha(by_lag[0][names[0]].params)
+            start = math.sqrt(math.prod(by_lag[0][names[0]].roughness))
             ax.plot(reach, 0.8 * start * reach[0] / reach, label="noise: 1/lag", **REFERENCE)
         _axes_of_scales(ax, lengths, r"$\sqrt{\alpha_x \alpha_y}$")
 
@@ -109,7 +128,7 @@ def scale_figure(scales: Any) -> FigureBlock:
 
 
 def lobe_figure(results: Sequence[Any]) -> FigureBlock:
-    """f |cos| in the plane of incidence, of every family at two angles."""
+    """f |cos| in the plane of incidence, of these families at two angles."""
 
     def draw(degrees: int, ax: Axes) -> None:
         theta = np.radians(np.linspace(-89.5, 89.5, 359))
@@ -149,7 +168,8 @@ def _axes_of_scales(ax: Axes, lengths: Vector, label: str) -> None:
     ax.yaxis.set_minor_locator(NullLocator())
 
 
-def _histogram(name: str, slopes: Vector, results: Sequence[Any], azimuth: float) -> str:
+def histogram(name: str, slopes: Vector, results: Sequence[Any], azimuth: float) -> str:
+    """Slopes along an azimuth, measured and fitted, and their ratio."""
     along = slopes @ np.array([np.cos(azimuth), np.sin(azimuth)])
     extent = float(np.quantile(np.abs(along), 0.9995))
     counts, edges = np.histogram(along, bins=_BINS, range=(-extent, extent))
@@ -192,11 +212,11 @@ def _quantiles(results: Sequence[Any], ax: Axes) -> None:
         )
     ax.axhline(1.0, **REFERENCE)
     ax.set(xscale="log", yscale="log", xlabel="share of slopes beyond", ylabel="measured / fitted quantile")
-    ax.set(ylim=(0.3, 5), yticks=[0.5, 1, 2])
+    ax.set(ylim=(0.3, 8), yticks=[0.5, 1, 2])
     ax.set_yticklabels(["0.5", "1", "2"])
     ax.minorticks_off()
     ax.invert_xaxis()
-    ax.legend(loc="upper center", ncols=3)
+    ax.legend(loc="upper center", ncols=2)
 
 
 def _directions(slopes: Vector, results: Sequence[Any]) -> str:
@@ -227,10 +247,6 @@ def _median_slope(ndf: Any, azimuth: float) -> float:
     """
     marginal = plot.turned(ndf, azimuth)
     return math.exp(brentq(lambda t: float(marginal.slope_cdf(math.exp(t))) - 0.75, -30.0, 15.0, xtol=1e-4))
-
-
-def _mean_alpha(params: dict[str, float]) -> float:
-    return params["alpha"] if "alpha" in params else math.sqrt(params["alpha_x"] * params["alpha_y"])
 
 
 @cache
