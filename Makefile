@@ -102,6 +102,9 @@ docs-furnace: $(INSTALLED) $(VENV)/.test  ## measure every white furnace and wri
 fit-coverage: $(INSTALLED) $(VENV)/.test  ## fit known slopes 200 times each and write docs/fitting_tests.md (some minutes)
 	$(BIN)/python tools/measure_fits.py $(ARGS)
 
+map-coverage: $(INSTALLED) $(VENV)/.test  ## fit synthetic maps 60 times each and write docs/fitting_coverage.md (some minutes)
+	$(BIN)/python tools/measure_coverage.py $(ARGS)
+
 bench-materials: $(INSTALLED) $(VENV)/.bench  ## materials beside Mitsuba's, and walks per second
 	$(BIN)/python -m benchmarks materials $(ARGS)
 
@@ -180,4 +183,4 @@ $(VENV)/.lint: pyproject.toml | $(VENV)/.venv
 	@touch $@
 
 .PHONY: report install wheel test test-cpp export-tools sanitize fuzz headers lint format bench bench-check docs-accuracy docs-formulas docs-sampling \
-  docs-furnace docs-export docs-traced bench-materials fit-coverage bench-fit clean help
+  docs-furnace docs-export docs-traced bench-materials fit-coverage map-coverage bench-fit clean help

@@ -114,8 +114,8 @@ def compensation(s: Subject) -> None:
 
 def surfaces(s: Subject) -> None:
     surface = mf.synthesize(s.ndf, (512, 512), seed=5)
-    (fitted,) = mf.fit(surface, s.family.name)
-    rough = fitted.params.get("alpha") or math.sqrt(fitted.params["alpha_x"] * fitted.params["alpha_y"])
+    fitted = mf.fit(surface, s.family.name)[0]
+    rough = math.sqrt(math.prod(fitted.roughness))
     median = float(s.family.kernels.sample_slope(0.5, ALPHA, *s.shape.values()))
     shape = [fitted.params[name] for name in s.shape]
     found = float(s.family.kernels.sample_slope(0.5, rough, *shape))

@@ -27,14 +27,26 @@ PACKAGE = ROOT / "src" / "microfacet"
 # Lower layers first. A file includes or imports from layers below its own, and from its own folder.
 CPP_LAYERS = ("core", "approx", "special", "family", "tabulated", "smith", "bsdf", "record")
 PYTHON_LAYERS = (
-    {"_arrays", "_calls", "_core", "_files", "_graphs", "_optional", "_text", "_threads", "_value"},
+    {
+        "_arrays",
+        "_calls",
+        "_core",
+        "_files",
+        "_graphs",
+        "_installation",
+        "_optional",
+        "_text",
+        "_threads",
+        "_value",
+    },
     {"_docs", "_quantities"},
     {"_sampling"},
     {"_frozen", "_densities"},
     {"_family", "_radial", "_slope_table", "_bsdf"},
     {"_user_family"},
     {"__init__"},  # the public names; what lies above them it loads on demand only
-    {"testing", "plot", "_checks", "_surface", "_bake", "_export"},
+    {"testing", "plot", "_checks", "_surface", "_bake", "_export", "_optics"},
+    {"_profile"},
     {"_fit", "_density_files", "mitsuba"},
     {"_render"},
     {"_report"},
@@ -150,7 +162,13 @@ def public_functions() -> dict[str, Callable[[], Any]]:
         "sample_terrain": mf.sample_terrain,
         "testing": lambda: mf.testing.sidak(0.01, 2),
         "roughness": lambda: mf.roughness(mf.sample_terrain()),
+        "material_ratio": lambda: mf.material_ratio(mf.sample_terrain()).core(),
+        "spectrum": lambda: mf.spectrum(mf.sample_terrain()),
+        "autocorrelation": lambda: mf.autocorrelation(mf.sample_terrain()),
         "synthesize": lambda: mf.synthesize(mf.Beckmann(alpha=0.3), (32, 32)),
+        "brdf_table": lambda: mf.brdf_table(mf.GGX(alpha=0.3), polar=[0, 30], azimuth=0, n=16),
+        "spatial_bandwidth": lambda: mf.spatial_bandwidth(550e-9),
+        "compare": lambda: mf.compare([slopes, 2 * slopes], "beckmann"),
         "fit": lambda: mf.fit(slopes, families=["beckmann"]),
         "fit_scales": lambda: mf.fit_scales(mf.sample_terrain(), [4], "beckmann"),
         "fit_table": lambda: mf.fit_table(mean_square_slopes=0.03),
@@ -172,7 +190,14 @@ def public_functions() -> dict[str, Callable[[], Any]]:
     return calls
 
 
-NEED_INPUT = {"read_density", "read_normal_map", "read_slopes", "read_surface"}  # files
+NEED_INPUT = {
+    "read_density",
+    "read_normal_map",
+    "read_profile",
+    "read_refractive_index",
+    "read_slopes",
+    "read_surface",
+}  # files
 
 
 def test_every_public_name_works_twice() -> None:

@@ -62,8 +62,9 @@ def test_maps_and_fits(run: Run, own: str, tmp_path: pathlib.Path) -> None:
     assert (record["family"], record["parameters"]["alpha_x"]) == ("own", 0.3)
     fitted = run("fit", str(made), "--density", own, "--family", "ggx", "--no-scales", "--json")
     ranking = json.loads(fitted.stdout)["ranking"]
-    assert [entry["family"] for entry in ranking] == ["own", "ggx"]
-    assert ranking[0]["params"]["alpha_x"] == pytest.approx(0.3, rel=0.1)
+    assert sorted({entry["family"] for entry in ranking[:2]}) == ["own"]
+    anisotropic = next(entry for entry in ranking if entry["symmetry"] == "anisotropic")
+    assert abs(anisotropic["params"]["alpha_x"] - 0.3) < 3 * anisotropic["standard_errors"]["alpha_x"] < 0.15
 
 
 def test_tables_and_shaders(run: Run, own: str, tmp_path: pathlib.Path) -> None:

@@ -71,7 +71,9 @@ GUIDES = (
     "compensation",
     "textures",
     "surfaces",
+    "profiles",
     "fitting",
+    "brdf_tables",
     "arrays",
     "export",
 )

@@ -160,6 +160,7 @@ calls = {
     "fresnel": lambda: mf.fresnel_average(1.5),
     "fit": lambda: mf.fit(slopes, "beckmann"),
     "fit_table": lambda: mf.fit_table(mean_square_slopes=0.03),
+    "compare": lambda: mf.compare([slopes, slopes], "beckmann"),
     "map": lambda: mf.roughness(mf.read_surface(folder / "map.npz").level().filtered(short=4e-6)),
     "scales": lambda: mf.fit_scales(mf.read_surface(folder / "map.npz"), [2], "beckmann"),
     "synthesize": lambda: mf.synthesize(ndf, (32, 32)),

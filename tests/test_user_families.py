@@ -29,7 +29,8 @@ def slopes_of(ndf: Any, n: int) -> np.ndarray:
 def test_a_family_of_one_s_own_is_fitted_like_the_library_s() -> None:
     """The same density under another name: the same parameters, errors, likelihood and goodness."""
     slopes = slopes_of(mf.StudentT(alpha_x=0.3, alpha_y=0.2, rotation=0.3, gamma=2.5), 6000)
-    one, other = sorted(mf.fit(slopes, [TAIL, "student_t"]), key=lambda result: result.family)
+    found = mf.fit(slopes, [TAIL, "student_t"], symmetry="anisotropic")
+    one, other = sorted(found, key=lambda result: result.family)
     assert (one.family, other.family) == ("student_t", "tail")
     for name in ("alpha_x", "alpha_y", "rotation"):
         assert other.params[name] == pytest.approx(one.params[name], rel=1e-4)
@@ -53,8 +54,8 @@ def test_two_parameters() -> None:
     slopes = rng.normal(size=(12_000, 2)) * width[:, np.newaxis] / np.sqrt(2)
     family = mf.UserFamily("lobes", lobes, {"share": (0.0, 1.0, 0.5), "wider": (1.0, 20.0, 2.0)})
     found = mf.fit(slopes, [family, "beckmann"])[0]
-    assert (found.family, found.converged) == ("lobes", True)
-    for name, true in {"alpha_x": 0.2, "alpha_y": 0.2, "share": 0.3, "wider": 3.0}.items():
+    assert (found.family, found.symmetry, found.converged) == ("lobes", "isotropic", True)
+    for name, true in {"alpha": 0.2, "share": 0.3, "wider": 3.0}.items():
         assert abs(found.params[name] - true) < 4 * found.standard_errors[name] < 0.5 * true
     theta = np.radians(np.arange(0.0, 80.0, 2.0))
     D = lobes(np.tan(theta) / 0.2, 0.3, 3.0) / np.cos(theta) ** 4
@@ -65,10 +66,13 @@ def test_two_parameters() -> None:
 def test_of_a_density_the_roughness_is_fitted() -> None:
     slopes = slopes_of(mf.GGX(alpha_x=0.3, alpha_y=0.2), 4000)
     own = mf.RadialNDF(lambda r: (1.0 + r * r) ** -2.0)
-    results = {result.family: result for result in mf.fit(slopes, [own, "ggx", "beckmann"])}
-    assert results["density"].params == pytest.approx(results["ggx"].params, rel=1e-6)
-    assert not results["beckmann"].tied
-    assert results["density"].ndf.norm == own.norm  # the tables that there are
+    found = mf.fit(slopes, [own, "ggx", "beckmann"])
+    results = {(result.family, result.symmetry): result for result in found}
+    for symmetry in ("isotropic", "anisotropic"):
+        ours, ggx = results["density", symmetry], results["ggx", symmetry]
+        assert ours.params == pytest.approx(ggx.params, rel=1e-6)
+        assert not results["beckmann", symmetry].tied
+        assert ours.ndf.norm == own.norm  # the tables that there are
 
 
 def test_tables_of_data() -> None:

@@ -106,10 +106,25 @@ EXAMPLES: dict[str, Callable[[], list[Any]]] = {
     "SurfaceError": list,  # an exception: it pickles, and is compared as Python compares exceptions
     "SlopeSample": lambda: [mf.SlopeSample(slopes(), "a"), mf.SlopeSample(slopes()[1:], "a")],
     "Roughness": lambda: [mf.roughness(surface()), mf.roughness(surface().mask_outliers(2.0))],
+    "MaterialRatio": lambda: [
+        mf.material_ratio(surface()),
+        mf.material_ratio(surface().mask_outliers(2.0)),
+    ],
+    "Spectrum": lambda: [mf.spectrum(surface()), mf.spectrum(surface(), window=None)],
+    "KCorrelation": lambda: [mf.spectrum(surface()).abc, mf.spectrum(surface(), window=None).abc],
+    "Autocorrelation": lambda: [mf.autocorrelation(surface()), mf.autocorrelation(surface(), periodic=True)],
     "FitResult": lambda: [fitted(), mf.fit(slopes()[:300], families=["beckmann"])[0]],
+    "FitResults": list,  # a list, which is not frozen: tests/test_verdict.py copies it
     "Goodness": lambda: [fitted().goodness],
+    "Halves": lambda: [mf.fit(mf.sample_terrain(), "beckmann", lag=lag).halves for lag in (4, 8)],
+    "Verdict": lambda: [mf.fit(mf.sample_terrain(), "beckmann", lag=lag).verdict for lag in (4, 8)],
     "ScaleFit": lambda: [mf.fit_scales(mf.sample_terrain(), [4], "beckmann", max_slopes=2000)],
     "TableFit": lambda: mf.fit_table(mean_square_slopes=0.03),
+    "BrdfTable": lambda: [brdf(alpha=0.3), brdf(alpha=0.4)],
+    "AbgFit": lambda: brdf(alpha=0.3).abg(),
+    "SpatialBandwidth": lambda: [mf.spatial_bandwidth(5e-7, theta) for theta in (0.0, 30.0)],
+    "Comparison": lambda: [compared(), compared(names=["a", "b"])],
+    "Difference": lambda: list(compared().differences[0]),
     "testing.Chi2Result": lambda: [
         mf.testing.chi2(mf.GGX(alpha=0.3).sample, mf.GGX(alpha=alpha).pdf, **CHI2) for alpha in (0.3, 0.4)
     ],
@@ -117,8 +132,23 @@ EXAMPLES: dict[str, Callable[[], list[Any]]] = {
         mf.testing.ks_visible_slope(mf.GGX(alpha=0.3), [0.6, 0, 0.8], n=n) for n in (500, 1000)
     ],
     "a recipe of bake": lambda: [recipe("energy", "ggx", alpha=alpha, **BAKED) for alpha in (0.2, 0.3)],
+    "Profile": lambda: [profile(), profile().level(), profile().at_lag(2)],
+    "ProfileRoughness": lambda: [profile().roughness(), profile().level().roughness()],
+    "ProfileSpectrum": lambda: [profile().psd(), profile().level().psd()],
 }
 each_class = pytest.mark.parametrize("name", EXAMPLES)
+
+
+def profile() -> mf.Profile:
+    return mf.Profile(np.random.default_rng(4).normal(size=(2, 400)).cumsum(axis=1), 1e-6)
+
+
+def brdf(**roughness: float) -> mf.BrdfTable:
+    return mf.brdf_table(mf.GGX(**roughness), theta_i=0, polar=[0, 10, 20, 30], azimuth=0, n=16)
+
+
+def compared(**options: Any) -> mf.Comparison:
+    return mf.compare([slopes(), 2 * slopes()], "beckmann", **options)
 
 
 @cache

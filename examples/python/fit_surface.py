@@ -20,4 +20,4 @@ for lag in (2, 4, 8):
             f"{name} {value:.3g} ± {result.standard_errors[name]:.1g}"
             for name, value in result.params.items()
         )
-        print(f"  {result.family:10} {behind:+.4f} nats per slope   {values}")
+        print(f"  {result.family:23} {result.symmetry:12} {behind:+.4f} nats per slope   {values}")
