@@ -107,7 +107,7 @@ def test_names_of_files(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert result.exit_code == 2
     lines = result.stdout.splitlines()
     assert len(lines) == 3
-    assert {line.count("\t") for line in lines} == {8}
+    assert {line.count("\t") for line in lines} == {9}
     plain(result.stdout.replace("\n", " ").replace("\t", " "), 2000)
     plain(result.stderr.replace("\n", " "), 2000)
     result = CliRunner().invoke(main, [*fit, "--json"])
