@@ -52,7 +52,9 @@ void families_on(const char* library, const Wanted& wanted = {}) {
       for (std::size_t i = 0; i < got.size(); ++i) {
         const double x = arguments<T>[i], want = function(scalar, x);
         const check::note at(name, "(", x, ")");
-        CHECK_NEAR(got[i], want, tolerance<T>);
+        // Below that the accuracy contract ends, and numbers become subnormal.
+        if (want == 0 || std::abs(want) > (sizeof(T) == 4 ? 1e-37 : 1e-300))
+          CHECK_NEAR(got[i], want, tolerance<T>);
       }
     };
 #define COMPARE(name, ...) compare(name, []<class X>(const auto& d, const X& x) -> X { return __VA_ARGS__; })
