@@ -57,6 +57,18 @@ class Value:
         slots = [name for cls in type(self).__mro__ for name in getattr(cls, "__slots__", ())]
         return {**{name: getattr(self, name) for name in slots}, **getattr(self, "__dict__", {})}
 
+    def _record(self, *without: str) -> dict[str, Any]:
+        """What it holds but for these, with lists for arrays and tuples, as JSON has them."""
+        return {
+            name: value.tolist()
+            if isinstance(value, np.ndarray)
+            else list(value)
+            if type(value) is tuple
+            else value
+            for name, value in self._state().items()
+            if name not in without
+        }
+
     def _keep(self, **state: Any) -> Self:
         """The only way to fill it."""
         for name, value in state.items():

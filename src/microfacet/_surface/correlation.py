@@ -86,11 +86,7 @@ class Autocorrelation(Value):
         >>> sorted(mf.autocorrelation(surface).as_dict())[:4]
         ['Sal', 'Std', 'Str', 'fastest']
         """
-        record = {
-            name: getattr(self, name) for name in self.__dataclass_fields__ if not name.startswith("picture")
-        }
-        lists = {name: value.tolist() for name, value in record.items() if isinstance(value, np.ndarray)}
-        return {**record, **lists, "notes": list(self.notes)}
+        return self._record("picture", "picture_pixel")
 
 
 def autocorrelation(

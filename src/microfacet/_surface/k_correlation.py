@@ -79,8 +79,7 @@ class KCorrelation(Value):
 
     def as_dict(self) -> dict[str, Any]:
         """As a record of numbers, in units of the metre."""
-        record = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {**record, "notes": list(self.notes)}
+        return self._record()
 
 
 def _density(f: Vector, log_a: float, log_b: float, c: float) -> Vector:

@@ -92,9 +92,7 @@ class Spectrum(Value):
         >>> sorted(mf.spectrum(surface).as_dict())[:4]
         ['Std', 'abc', 'angles', 'angular']
         """
-        record = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "abc"}
-        lists = {name: value.tolist() for name, value in record.items() if isinstance(value, np.ndarray)}
-        return {**record, **lists, "abc": self.abc.as_dict(), "notes": list(self.notes)}
+        return {**self._record("abc"), "abc": self.abc.as_dict()}
 
 
 def spectrum(surface: HeightMap, *, window: str | None = "hann") -> Spectrum:
